@@ -1,0 +1,55 @@
+# Run by CTest: cmake -D INCLUDE_DIR=... -P headers.cmake
+# Checks that the headers include each other only downward, and little else.
+
+# A header may include those that stand before it. The grid stands behind the algorithms, so none can depend on it.
+set(order
+    version
+    scalar
+    lattice height_view bilinear_patch contact
+    height_field
+    candidate_walker first_hit closest_point
+    proxy_tracker
+    bilinear_grid
+    force_evaluator
+    hfh)
+
+# Force ignores how a contact was found.
+set(only_force_evaluator contact scalar)
+
+# Costly to compile, or a temptation to allocate.
+set(forbidden iostream string vector functional glm/glm.hpp)
+
+set(complaints "")
+file(GLOB headers RELATIVE ${INCLUDE_DIR} ${INCLUDE_DIR}/*.hpp)
+foreach(header IN LISTS headers)
+    cmake_path(GET header STEM name)
+    list(FIND order ${name} place)
+    if(place EQUAL -1)
+        list(APPEND complaints "${header} has no place in the order of tests/headers.cmake")
+        continue()
+    endif()
+
+    file(STRINGS ${INCLUDE_DIR}/${header} lines REGEX "^[ \t]*#[ \t]*include")
+    foreach(line IN LISTS lines)
+        string(REGEX REPLACE ".*[<\"](.*)[>\"].*" "\\1" included "${line}")
+        if(included IN_LIST forbidden)
+            list(APPEND complaints "${header} includes <${included}>, which no header may")
+        endif()
+        if(included MATCHES "^(hfh/)?([a-z_]+)\\.hpp$")
+            set(other ${CMAKE_MATCH_2})
+            list(FIND order ${other} other_place)
+            if(NOT other_place LESS place)
+                list(APPEND complaints "${header} includes ${other}.hpp, which does not stand before it")
+            elseif(DEFINED only_${name} AND NOT other IN_LIST only_${name})
+                list(APPEND complaints "${header} includes ${other}.hpp, but may include only: ${only_${name}}")
+            endif()
+        endif()
+    endforeach()
+endforeach()
+
+if(complaints)
+    list(JOIN complaints "\n  " complaints)
+    message(FATAL_ERROR "\n  ${complaints}")
+endif()
+list(LENGTH headers count)
+message(STATUS "${count} headers include downward only")
