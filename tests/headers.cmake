@@ -1,5 +1,6 @@
 # Run by CTest: cmake -D INCLUDE_DIR=... -P headers.cmake
 # Checks that the headers include each other only downward, and little else.
+cmake_minimum_required(VERSION 3.25)
 
 # A header may include those that stand before it. The grid stands behind the algorithms, so none can depend on it.
 set(order
