@@ -6,9 +6,10 @@ cmake_minimum_required(VERSION 3.25)
 set(order
     version
     scalar
-    lattice height_view bilinear_patch contact
+    height_view lattice surface
+    bilinear_patch contact
     height_field
-    candidate_walker first_hit closest_point
+    candidate_walker first_hit closest_point descent
     proxy_tracker
     bilinear_grid
     force_evaluator
