@@ -47,6 +47,9 @@ macro(hfh_use_png)
         SYSTEM FIND_PACKAGE_ARGS)
     FetchContent_MakeAvailable(PNG)
     if(NOT TARGET PNG::PNG)
+        # png.h includes a header that libpng's build generates.
+        target_include_directories(png_static SYSTEM INTERFACE
+            $<BUILD_INTERFACE:${png_SOURCE_DIR}> $<BUILD_INTERFACE:${png_BINARY_DIR}>)
         add_library(PNG::PNG ALIAS png_static)
     endif()
     unset(SKIP_INSTALL_ALL)

@@ -1,0 +1,21 @@
+# Run by CTest: the first program in README is a part of EXAMPLE, to the letter, so it compiles and stays so.
+cmake_minimum_required(VERSION 3.25)
+
+file(READ ${README} readme)
+file(READ ${EXAMPLE} example)
+
+set(opening "\n```cpp\n")
+string(FIND "${readme}" "${opening}" start)
+if(start EQUAL -1)
+    message(FATAL_ERROR "${README} has no cpp block")
+endif()
+string(LENGTH "${opening}" length)
+math(EXPR start "${start} + ${length}")
+string(SUBSTRING "${readme}" ${start} -1 program)
+string(FIND "${program}" "```" length)
+string(SUBSTRING "${program}" 0 ${length} program)
+
+string(FIND "${example}" "${program}" place)
+if(place EQUAL -1 OR program STREQUAL "")
+    message(FATAL_ERROR "${EXAMPLE} does not contain this program of README:\n${program}")
+endif()
