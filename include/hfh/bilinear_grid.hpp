@@ -1,0 +1,91 @@
+#ifndef HFH_BILINEAR_GRID_HPP
+#define HFH_BILINEAR_GRID_HPP
+
+#include <hfh/height_field.hpp>
+#include <hfh/height_view.hpp>
+
+// Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.1: four neighbouring samples make a patch.
+
+namespace hfh {
+
+/// How samples become metres: sample (i, j) with value s lies at
+///
+///     (origin.x + i·spacing.x,  origin.y + j·spacing.y,  height_offset + height_scale·s)
+///
+/// in a right-handed frame with z up.
+struct GridFrame {
+    glm::dvec2 origin{0.0};     ///< metres
+    glm::dvec2 spacing{1.0};    ///< metres, > 0
+    double height_scale = 1.0;  ///< metres per unit of a sample
+    double height_offset = 0.0; ///< metres
+};
+
+/// Why a grid has no patches, or `ok`.
+enum class GridStatus : unsigned char {
+    ok,
+    too_few_samples, ///< fewer than 2 columns or 2 rows
+    bad_spacing, ///< spacing not finite, not > 0, or so small that 1/spacing overflows; or origin not finite
+    bad_height_scale ///< height scale or offset not finite
+};
+
+/// The library's own height field: a view on samples and a frame.
+///
+/// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does
+/// not throw: a grid made from a bad frame says so in `status()` and is empty, so that nothing is ever felt.
+template <Real T, class Heights>
+class BilinearGrid {
+public:
+    using Scalar = T;
+
+    constexpr BilinearGrid(Heights heights, const GridFrame& frame) noexcept
+        : heights_{heights}, lattice_{frame.origin, frame.spacing}, spacing_{frame.spacing},
+          height_scale_{static_cast<T>(frame.height_scale)}, height_offset_{
+                                                                 static_cast<T>(frame.height_offset)} {
+        if (heights.columns() < 2 || heights.rows() < 2) {
+            status_ = GridStatus::too_few_samples;
+        } else if (!lattice_.valid() || !is_finite(spacing_.x * spacing_.y) ||
+                   !(spacing_.x * spacing_.y > 0)) {
+            status_ = GridStatus::bad_spacing;
+        } else if (!is_finite(height_scale_) || !is_finite(height_offset_)) {
+            status_ = GridStatus::bad_height_scale;
+        }
+    }
+
+    [[nodiscard]] constexpr GridStatus status() const noexcept { return status_; }
+    [[nodiscard]] constexpr const Heights& heights() const noexcept { return heights_; }
+    [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return lattice_; }
+
+    [[nodiscard]] constexpr CellRange cells() const noexcept {
+        if (status_ != GridStatus::ok) return {};
+        return {{0, 0}, {heights_.columns() - 1, heights_.rows() - 1}};
+    }
+
+    /// The patch over cell c; empty outside the grid and where a corner is missing.
+    [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+        if (!cells().contains(c)) return std::nullopt;
+        const auto s00 = heights_(c.i, c.j), s10 = heights_(c.i + 1, c.j);
+        const auto s01 = heights_(c.i, c.j + 1), s11 = heights_(c.i + 1, c.j + 1);
+        if (heights_.missing(s00) || heights_.missing(s10) || heights_.missing(s01) ||
+            heights_.missing(s11)) {
+            return std::nullopt;
+        }
+        return BilinearPatch<T>{metres(s00), metres(s10), metres(s01), metres(s11), spacing_};
+    }
+
+private:
+    template <Sample S>
+    [[nodiscard]] constexpr T metres(S sample) const noexcept {
+        return height_offset_ + height_scale_ * static_cast<T>(sample);
+    }
+
+    Heights heights_;
+    Lattice lattice_;
+    vec2<T> spacing_;
+    T height_scale_;
+    T height_offset_;
+    GridStatus status_ = GridStatus::ok;
+};
+
+} // namespace hfh
+
+#endif // HFH_BILINEAR_GRID_HPP

@@ -1,0 +1,202 @@
+#ifndef HFH_CANDIDATE_WALKER_HPP
+#define HFH_CANDIDATE_WALKER_HPP
+
+#include <hfh/height_field.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.1: the haptic ray is projected into the grid,
+// an incremental line algorithm finds the patches under it, and each is tested by height. The walk itself is that
+// of Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing (1987), with crossing times computed
+// afresh from integers instead of accumulated, so that a walk of any length does not drift.
+
+namespace hfh {
+
+/// The part of a segment a → b over one cell.
+struct CellSpan {
+    Cell cell;
+    double t_in, t_out; ///< 0 ≤ t_in ≤ t_out ≤ 1 along a → b
+    glm::dvec2 in, out; ///< (u, v) there, in [0, 1]; exactly 0 or 1 on the grid line that is crossed
+};
+
+namespace detail {
+
+/// A coordinate as a cell number and the rest, 0 ≤ rest < 1.
+struct Split {
+    Index cell;
+    double rest;
+};
+
+[[nodiscard]] inline Split split(double x, double origin, double spacing, double per_metre) noexcept {
+    const double number = std::floor((x - origin) * per_metre);
+    const double rest = ((x - origin) - number * spacing) * per_metre;
+    // The product above may round across the line; the rest tells.
+    const auto cell = static_cast<Index>(number);
+    if (rest < 0) return {cell - 1, std::min(rest + 1, 1 - epsilon<double> / 2)};
+    if (rest >= 1) return {cell + 1, 0.0};
+    return {cell, rest};
+}
+
+/// One axis of a walk: which cells it passes and when it crosses the line into the next.
+struct AxisWalk {
+    static constexpr double never = 2; ///< later than any t of a segment
+
+    Index base, cell, last; ///< cell of a; current cell; cell of b
+    Index step;             ///< +1, −1, or 0 for a segment that does not move along this axis
+    double a, d;            ///< start and displacement, in cells from line `base`
+    double per_d;           ///< 1/d, or 0
+    double end;             ///< b, in cells from line `last`
+    bool on_line;           ///< the whole segment lies on the line between `cell − 1` and `cell`
+
+    AxisWalk(double from, double to, double origin, double spacing, double per_metre) noexcept {
+        const Split start = split(from, origin, spacing, per_metre),
+                    goal = split(to, origin, spacing, per_metre);
+        base = cell = start.cell;
+        last = goal.cell;
+        a = start.rest;
+        end = goal.rest;
+        d = (to - from) * per_metre;
+        step = d > 0 ? 1 : d < 0 ? -1 : 0;
+        on_line = step == 0 && a == 0;
+        // Cells are closed: a segment that leaves a line touches the cell behind it, and one that ends on a line
+        // touches the cell beyond it.
+        if (step > 0 && a == 0) --cell;
+        if (step < 0 && end == 0) --last, end = 1;
+        if ((last - cell) * step <= 0) last = cell;
+        per_d = step == 0 ? 0 : 1 / d;
+    }
+
+    /// When the segment is on grid line i.
+    [[nodiscard]] double time_at(Index i) const noexcept {
+        return std::clamp((static_cast<double>(i - base) - a) * per_d, 0.0, 1.0);
+    }
+    /// When the segment enters the next cell.
+    [[nodiscard]] double next() const noexcept {
+        return cell == last ? never : time_at(step > 0 ? cell + 1 : cell);
+    }
+    /// Position at t in the current cell.
+    [[nodiscard]] double at(double t) const noexcept {
+        if (t == 1 && cell == last) return end;
+        return std::clamp((a - static_cast<double>(cell - base)) + t * d, 0.0, 1.0);
+    }
+    /// The line on which the current cell is left (1 or 0).
+    [[nodiscard]] double leaving() const noexcept { return step > 0 ? 1 : 0; }
+
+    /// When the segment enters and leaves the cells first ≤ i < past; later than `never` if it does not.
+    [[nodiscard]] bool clip(Index first, Index past, double& t_enter, double& t_leave) const noexcept {
+        if (step == 0) return (first <= cell && cell < past) || (on_line && cell == past);
+        const Index lowest = std::min(cell, last), highest = std::max(cell, last);
+        if (highest < first || lowest >= past) return false;
+        const Index entry = step > 0 ? first : past - 1;
+        const Index exit = step > 0 ? past - 1 : first;
+        if ((entry - cell) * step > 0) t_enter = std::max(t_enter, time_at(step > 0 ? first : past));
+        if ((last - exit) * step > 0) t_leave = std::min(t_leave, time_at(step > 0 ? past : first));
+        return true;
+    }
+    /// Goes to the earliest cell of first ≤ i < past that holds the position at t.
+    void skip_to(double t, Index first, Index past) noexcept {
+        if (step == 0) return;
+        const auto near = base + static_cast<Index>(std::floor(a + t * d));
+        Index there = std::clamp(near - step, std::min(cell, last), std::max(cell, last));
+        there = std::clamp(there, first, past - 1);
+        const Index stop = std::clamp(last, first, past - 1);
+        while (there != stop && time_at(step > 0 ? there + 1 : there) < t) there += step;
+        cell = there;
+    }
+};
+
+} // namespace detail
+
+/// Visits the cells under the segment a → b, in the order of the segment, each exactly once, and none is missed:
+/// every cell of `range` whose closed rectangle the projection meets. A segment along a grid line visits the
+/// cells on both sides of it, one through a vertex all four around it, a vertical one (or one of zero length) the
+/// cells around its foot. Spans join: each begins where the last ended, and the first at the border if a lies
+/// outside. The only rounding is that of the crossing times, an ulp or so of t.
+///
+/// `visit(const CellSpan&)` returns true to go on, false to stop.
+/// a and b must be finite and within reach of the lattice (`Lattice::reaches`). O(cells passed); no allocation.
+template <class Visitor>
+void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2& a, const glm::dvec2& b,
+                Visitor&& visit) noexcept {
+    const glm::dvec2 origin = lattice.origin(), spacing = lattice.spacing(),
+                     per_metre = lattice.cells_per_metre();
+    detail::AxisWalk x{a.x, b.x, origin.x, spacing.x, per_metre.x};
+    detail::AxisWalk y{a.y, b.y, origin.y, spacing.y, per_metre.y};
+
+    double t = 0, t_leave = 1;
+    if (range.empty() || !x.clip(range.first.i, range.last.i, t, t_leave) ||
+        !y.clip(range.first.j, range.last.j, t, t_leave) || t > t_leave) {
+        return;
+    }
+    if (t > 0) {
+        x.skip_to(t, range.first.i, range.last.i);
+        y.skip_to(t, range.first.j, range.last.j);
+    }
+
+    const auto visit_one = [&](const CellSpan& span) { return !range.contains(span.cell) || visit(span); };
+    // Two cells side by side share a segment that runs along the line between them.
+    const auto visit_row = [&](CellSpan span) {
+        if (x.on_line) {
+            CellSpan left = span;
+            --left.cell.i;
+            left.in.x = left.out.x = 1;
+            if (!visit_one(left)) return false;
+        }
+        return visit_one(span);
+    };
+    const auto visit_all = [&](const CellSpan& span) {
+        if (y.on_line) {
+            CellSpan below = span;
+            --below.cell.j;
+            below.in.y = below.out.y = 1;
+            if (!visit_row(below)) return false;
+        }
+        return visit_row(span);
+    };
+
+    glm::dvec2 in{x.at(t), y.at(t)};
+    for (;;) {
+        const double next_x = x.next(), next_y = y.next();
+        const double t_out = std::max(t, std::min(std::min(next_x, next_y), 1.0));
+        const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
+        const glm::dvec2 out{cross_x ? x.leaving() : x.at(t_out), cross_y ? y.leaving() : y.at(t_out)};
+        if (!visit_all({{x.cell, y.cell}, t, t_out, in, out})) return;
+        if (!cross_x && !cross_y) return;
+
+        in = out;
+        if (cross_x) in.x = 1 - out.x;
+        if (cross_y) in.y = 1 - out.y;
+        if (cross_x && cross_y) { // through a vertex: it touches the two cells beside the diagonal
+            const glm::dvec2 beside_x{in.x, out.y}, beside_y{out.x, in.y};
+            if (!visit_one({{x.cell + x.step, y.cell}, t_out, t_out, beside_x, beside_x})) return;
+            if (!visit_one({{x.cell, y.cell + y.step}, t_out, t_out, beside_y, beside_y})) return;
+        }
+        if (cross_x) x.cell += x.step;
+        if (cross_y) y.cell += y.step;
+        t = t_out;
+        const bool inside_x = (range.first.i <= x.cell && x.cell < range.last.i) || x.on_line;
+        const bool inside_y = (range.first.j <= y.cell && y.cell < range.last.j) || y.on_line;
+        if (!inside_x || !inside_y) return;
+    }
+}
+
+/// Visits the candidate patches of §4.3.1 [P]: of the cells under a → b those that hold a patch which the part of
+/// the segment over it may touch, that is, whose highest corner is not below the lowest point of that part.
+///
+/// `visit(const CellSpan&, const BilinearPatch<Scalar>&)` returns true to go on, false to stop.
+template <HeightField Field, Real T, class Visitor>
+void walk_candidates(const Field& field, const vec3<T>& a, const vec3<T>& b, Visitor&& visit) noexcept {
+    const glm::dvec3 from{a}, to{b};
+    walk_cells(field.lattice(), field.cells(), {from.x, from.y}, {to.x, to.y}, [&](const CellSpan& span) {
+        const auto patch = field.patch(span.cell);
+        if (!patch) return true;
+        const double z_in = (1 - span.t_in) * from.z + span.t_in * to.z;
+        const double z_out = (1 - span.t_out) * from.z + span.t_out * to.z;
+        return std::min(z_in, z_out) > static_cast<double>(patch->highest()) || visit(span, *patch);
+    });
+}
+
+} // namespace hfh
+
+#endif // HFH_CANDIDATE_WALKER_HPP

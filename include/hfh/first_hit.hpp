@@ -1,0 +1,139 @@
+#ifndef HFH_FIRST_HIT_HPP
+#define HFH_FIRST_HIT_HPP
+
+#include <hfh/candidate_walker.hpp>
+#include <hfh/surface.hpp>
+
+#include <cmath>
+
+// Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.1. The paper takes the first candidate patch as
+// the place to start; here the first crossing itself is found, so that contact begins where the stylus met the
+// surface (design: Figure 8 [P] is what happens otherwise).
+//
+// Along a segment u and v are linear in time, so the height of the stylus over one patch is one quadratic:
+//
+//     f(s) = z_stylus − z_surface = f₀ + (f₁ − f₀ − a) s + a s²,   a = −A Δu Δv,   0 ≤ s ≤ 1
+//
+// with A the twist of Eq. (2). f₀ and f₁ are heights at the cell's border, and border heights agree between
+// neighbours; the side of the surface is handed from cell to cell, never decided twice. So a segment that begins
+// above and ends below cannot slip through an edge or a vertex, whatever the rounding.
+
+namespace hfh {
+
+enum class HitStatus : unsigned char {
+    hit,       ///< the segment crosses the surface at `t`
+    miss,      ///< it does not
+    cell_limit ///< neither up to `t`, where the allowed number of cells was used up
+};
+
+template <Real T>
+struct FirstHit {
+    HitStatus status = HitStatus::miss;
+    double t = 1;            ///< how far along a → b: the crossing, or the end of what was searched
+    SurfacePoint<T> point{}; ///< the crossing, if there is one
+    Side side = Side::none; ///< hit: the side the segment came from; else: the side on which the search ended
+    Index cells = 0;        ///< cells looked at
+};
+
+struct FirstHitOptions {
+    SurfaceKind surface = SurfaceKind::solid;
+    /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
+    /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
+    Side side = Side::none;
+    Index max_cells = std::numeric_limits<Index>::max();
+};
+
+namespace detail {
+
+/// Smallest s in [0, 1] after which f(s) = f0 + (f1 − f0 − a) s + a s² is negative, given f0 ≥ 0; > 1 if none.
+/// A tangent that only touches is no crossing. Roots in the forms that do not cancel.
+[[nodiscard]] inline double first_descent(double f0, double f1, double a) noexcept {
+    constexpr double none = 2;
+    const double b = f1 - f0 - a;
+    const double discriminant = b * b - 4 * a * f0;
+    if (f1 >= 0 && !(a > 0 && b < 0 && -b < 2 * a && discriminant > 0)) return none;
+    const double root = std::sqrt(std::max(discriminant, 0.0));
+    const double s = b < 0 ? 2 * f0 / (root - b) : (b + root) / (-2 * a);
+    return std::clamp(s, 0.0, 1.0);
+}
+
+} // namespace detail
+
+/// The first crossing of the segment a → b with the surface.
+///
+/// Solid: the first point after which the segment is below, having been above. A segment that begins below must
+/// come out first. Sheet: the first point at which it changes sides. Each patch is exact (one quadratic); the walk
+/// and the quadratics are computed in double for either scalar. Where there is no patch there is no side: behind
+/// a hole, or on entering from outside, the side is decided afresh. A segment that begins on a solid's surface and
+/// goes down hits at t = 0.
+///
+/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max_cells.
+template <HeightField Field>
+[[nodiscard]] FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a,
+                                                         const glm::dvec3& b,
+                                                         const FirstHitOptions& options = {}) noexcept {
+    using T = typename Field::Scalar;
+    FirstHit<T> result;
+    const bool sheet = options.surface == SurfaceKind::sheet;
+    Side side = options.side;
+    double covered_to = 0;                 // up to here there was surface all along
+    double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
+
+    walk_cells(field.lattice(), field.cells(), {a.x, a.y}, {b.x, b.y}, [&](const CellSpan& span) {
+        if (result.cells == options.max_cells) {
+            result.status = HitStatus::cell_limit;
+            result.t = span.t_in;
+            return false;
+        }
+        ++result.cells;
+        const auto found = field.patch(span.cell);
+        if (!found) return true;
+        const auto& p = *found;
+        if (span.t_in > covered_to) side = Side::none;
+        covered_to = std::max(covered_to, span.t_out);
+
+        const double z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
+        const double z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
+        if (side != Side::below && std::min(z_in, z_out) > static_cast<double>(p.highest())) {
+            side = Side::above;
+            return true;
+        }
+        if (side != Side::above && std::max(z_in, z_out) < static_cast<double>(p.lowest())) {
+            side = Side::below;
+            return true;
+        }
+
+        const BilinearPatch<double> patch{p.p00, p.p10, p.p01, p.p11};
+        glm::dvec2 from = span.in;
+        double t = span.t_in;
+        double f0 = carried_at == span.t_in ? carried_f : z_in - patch.height(from.x, from.y);
+        const double f1 = z_out - patch.height(span.out.x, span.out.y);
+        carried_at = span.t_out;
+        carried_f = f1;
+        if (side == Side::none) side = f0 > 0 || (f0 == 0 && (!sheet || f1 >= 0)) ? Side::above : Side::below;
+
+        for (;;) {
+            const double sign = side == Side::above ? 1 : -1;
+            const glm::dvec2 step = span.out - from;
+            const double bend = -patch.twist() * step.x * step.y;
+            const double s = detail::first_descent(std::max(sign * f0, 0.0), sign * f1, sign * bend);
+            if (s > 1) return true;
+            from += s * step;
+            t += s * (span.t_out - t);
+            if (sheet || side == Side::above) {
+                result.status = HitStatus::hit;
+                result.t = t;
+                result.point = {span.cell, static_cast<T>(from.x), static_cast<T>(from.y)};
+                return false;
+            }
+            side = Side::above; // came out of the solid; it may go back in before the cell ends
+            f0 = 0;
+        }
+    });
+    result.side = result.status == HitStatus::miss && covered_to < 1 ? Side::none : side;
+    return result;
+}
+
+} // namespace hfh
+
+#endif // HFH_FIRST_HIT_HPP

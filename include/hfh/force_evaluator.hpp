@@ -1,0 +1,37 @@
+#ifndef HFH_FORCE_EVALUATOR_HPP
+#define HFH_FORCE_EVALUATOR_HPP
+
+#include <hfh/contact.hpp>
+
+// Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.4: "force is applied in the direction of the
+// penetration vector, with strength proportional to the penetration magnitude".
+
+namespace hfh {
+
+/// A force on the stylus, and whether the device's limit cut it.
+template <Real T>
+struct Force {
+    vec3<T> newtons{T(0)};
+    bool clamped = false;
+};
+
+/// Contact → force: F = stiffness · (proxy − stylus), shortened to max_force.
+///
+/// Zero when not touching, and when the result would not be finite. Has no state, does not throw.
+template <Real T>
+struct ForceEvaluator {
+    T stiffness = T(500);                        ///< N/m, ≥ 0
+    T max_force = std::numeric_limits<T>::max(); ///< N, ≥ 0: what the device can give (Touch: 3.3)
+
+    [[nodiscard]] constexpr Force<T> operator()(const Contact<T>& contact) const noexcept {
+        if (!contact.touching() || !is_finite(contact.depth)) return {};
+        const T wanted = stiffness * contact.depth;
+        if (!is_finite(stiffness)) return {};
+        if (!(wanted > max_force)) return {stiffness * contact.penetration, false};
+        return {contact.penetration * (max_force / contact.depth), true};
+    }
+};
+
+} // namespace hfh
+
+#endif // HFH_FORCE_EVALUATOR_HPP

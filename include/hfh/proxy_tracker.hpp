@@ -1,0 +1,168 @@
+#ifndef HFH_PROXY_TRACKER_HPP
+#define HFH_PROXY_TRACKER_HPP
+
+#include <hfh/contact.hpp>
+#include <hfh/descent.hpp>
+#include <hfh/first_hit.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <type_traits>
+
+// Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.2-4.3.3; the proxy is that of Ruspini, Kolarov and
+// Khatib (1997) and the god-object of Zilles and Salisbury (1995).
+
+namespace hfh {
+
+struct TrackerOptions {
+    SurfaceKind surface = SurfaceKind::solid;
+    /// Work allowed in one update, in patches (about 10-60 ns each). A sweep or a descent that needs more goes on
+    /// in the next update, and the status says so; no surface is passed over for it.
+    int max_patches = 8192;
+};
+
+/// Everything a tracker remembers: a trivially copyable value, to be saved, restored or sent to another thread.
+template <Real T>
+struct TrackerState {
+    glm::dvec3 swept_to{0.0}; ///< free: the stylus position up to which the surface has been searched
+    SurfacePoint<T> proxy{};  ///< touching: the proxy
+    Side side = Side::none;   ///< touching: the side that is felt; free: the side the stylus is on
+    bool started = false;     ///< a stylus position has been seen
+    bool touching = false;
+};
+
+/// Follows a stylus over a height field: the haptic update of §4.3 [P].
+///
+/// Two modes. *Free*: the segment from the last stylus position to this one is cast; the first crossing is the
+/// first contact. *Touching*: the proxy slides downhill from where it was to the local closest point. While the
+/// stylus is inside ((proxy − stylus)·normal > 0) the contact holds. When it is not, the segment proxy → stylus
+/// is cast before the proxy is freed, for the stylus can have left one face and be below another already; a
+/// crossing on it is a new contact in the same update (the paper frees at once).
+///
+/// On a solid without holes, for a stylus that was outside once and stays over the grid: never free while below the
+/// surface. In contact no patch at the proxy has a descent direction. A stylus that starts below the surface,
+/// or comes in below it from the side, feels nothing until it has been outside. Edited heights are felt at the next
+/// update. `update` is noexcept, allocates nothing and looks at no more than about `max_patches` patches.
+///
+/// Keeps a pointer to the field, which must outlive it.
+template <HeightField Field>
+class ProxyTracker {
+public:
+    using Scalar = typename Field::Scalar;
+    using State = TrackerState<Scalar>;
+    static_assert(std::is_trivially_copyable_v<State>, "a tracker's state can be copied like plain bytes");
+
+    constexpr explicit ProxyTracker(const Field& field, const TrackerOptions& options = {}) noexcept
+        : field_{&field}, options_{options} {}
+    explicit ProxyTracker(const Field&&,
+                          const TrackerOptions& = {}) = delete; // the field must outlive the tracker
+
+    /// One haptic update: the stylus is at `stylus` (world coordinates, metres). NaN, infinity and positions beyond
+    /// the reach of cell numbers are refused: status bad_input, state unchanged.
+    [[nodiscard]] Contact<Scalar> update(const vec3<Scalar>& stylus) noexcept {
+        Contact<Scalar> contact;
+        if (!is_finite(stylus) || !field_->lattice().reaches(stylus)) {
+            contact.status = ContactStatus::bad_input;
+            return contact;
+        }
+        contact.proxy = stylus;
+        if (!state_.started) {
+            state_.started = true;
+            state_.swept_to = glm::dvec3{stylus};
+        }
+        if (state_.touching) {
+            slide(stylus, contact);
+        } else {
+            sweep(state_.swept_to, stylus, contact);
+            if (state_.touching) slide(stylus, contact);
+        }
+        return contact;
+    }
+
+    /// Forgets the stylus: the next position is taken as the first one.
+    constexpr void reset() noexcept { state_ = {}; }
+
+    [[nodiscard]] constexpr const State& state() const noexcept { return state_; }
+    constexpr void restore(const State& state) noexcept { state_ = state; }
+    [[nodiscard]] constexpr const Field& field() const noexcept { return *field_; }
+
+private:
+    /// Free space: casts from → stylus. Ends touching, at the first crossing, or free.
+    void sweep(const glm::dvec3& from, const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
+        const glm::dvec3 to{stylus};
+        const int work_left = std::max(1, options_.max_patches - contact.patches);
+        const auto hit = first_hit(
+            *field_, from, to, {.surface = options_.surface, .side = state_.side, .max_cells = work_left});
+        contact.patches += static_cast<int>(hit.cells);
+        state_.touching = hit.status == HitStatus::hit;
+        state_.side = contact.side = hit.side;
+        state_.proxy = hit.point;
+        if (state_.touching) return;
+
+        state_.swept_to = hit.status == HitStatus::cell_limit ? from + hit.t * (to - from) : to;
+        contact.status = hit.status == HitStatus::cell_limit ? ContactStatus::sweep_limit
+                         : hit.side == Side::none            ? ContactStatus::off_surface
+                         : hit.side == Side::below && options_.surface == SurfaceKind::solid
+                             ? ContactStatus::buried
+                             : ContactStatus::free;
+    }
+
+    /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus.
+    void slide(const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
+        Scalar nearest = std::numeric_limits<Scalar>::max();
+        for (;;) {
+            const auto found =
+                descend(*field_, stylus, state_.proxy, std::max(1, options_.max_patches - contact.patches));
+            contact.patches += found.patches;
+            state_.proxy = found.point;
+
+            if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole) {
+                leave(stylus, contact);
+                contact.status = found.status == DescentStatus::off_border ? ContactStatus::left_at_border
+                                                                           : ContactStatus::left_at_hole;
+                return;
+            }
+            const Scalar sign = state_.side == Side::below ? Scalar(-1) : Scalar(1);
+            const bool inside = sign * glm::dot(found.offset, found.normal) > 0;
+            const Scalar distance = glm::length(found.offset);
+            if (!inside && found.status == DescentStatus::minimum && distance < nearest) {
+                // Outside this face: free, unless another one lies between. Each new contact is nearer than the
+                // last, or the two are the same point but for rounding and the stylus is on the surface.
+                nearest = distance;
+                sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus, contact);
+                if (!state_.touching) return;
+                continue;
+            }
+            touch(stylus, found, inside, sign, contact);
+            return;
+        }
+    }
+
+    void touch(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found, bool inside, Scalar sign,
+               Contact<Scalar>& contact) noexcept {
+        contact.status =
+            found.status == DescentStatus::minimum ? ContactStatus::contact : ContactStatus::descent_limit;
+        contact.side = state_.side;
+        contact.normal = sign * found.normal;
+        contact.point = found.point;
+        contact.proxy = stylus + found.offset;
+        if (inside) { // never a pull towards the surface
+            contact.penetration = found.offset;
+            contact.depth = glm::length(found.offset);
+        }
+    }
+
+    /// The proxy has slid off a rim: the stylus is wherever it is.
+    void leave(const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
+        state_.side = Side::none;
+        sweep(glm::dvec3{stylus}, stylus, contact);
+    }
+
+    const Field* field_;
+    TrackerOptions options_;
+    State state_{};
+};
+
+} // namespace hfh
+
+#endif // HFH_PROXY_TRACKER_HPP

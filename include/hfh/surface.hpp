@@ -1,0 +1,26 @@
+#ifndef HFH_SURFACE_HPP
+#define HFH_SURFACE_HPP
+
+#include <hfh/lattice.hpp>
+
+// The words in which the algorithms speak of the surface.
+
+namespace hfh {
+
+/// A solid is met from above only; a sheet has no inside and is met from either side.
+enum class SurfaceKind : unsigned char { solid, sheet };
+
+/// Which side of the surface a point is on; `none` where there is no surface above or below it.
+enum class Side : signed char { below = -1, none = 0, above = 1 };
+
+/// A point of the surface: a cell and where in it, 0 ≤ u, v ≤ 1. Its height is the patch's, whatever that is now,
+/// so the point stays on the surface when the heights are edited.
+template <Real T>
+struct SurfacePoint {
+    Cell cell{};
+    T u{}, v{};
+};
+
+} // namespace hfh
+
+#endif // HFH_SURFACE_HPP
