@@ -105,6 +105,9 @@ template <Real T>
                                                    const NewtonOptions& options = {}) noexcept {
     const DistanceFunction<T> distance{patch, query};
     NewtonResult<T> foot{start.x, start.y};
+    NewtonResult<T> last = foot;
+    T last_residual = std::numeric_limits<T>::max();
+    bool at_resolution = false; // the last step was an ulp or two of u and v
     for (;; ++foot.iterations) {
         const auto f = distance(foot.u, foot.v);
         foot.gap = f.z;
@@ -118,14 +121,18 @@ template <Real T>
             return foot;
         }
         const bool free_u = pulls_u && !held_u, free_v = pulls_v && !held_v;
-        if (!free_u && !free_v) {
-            foot.status = NewtonStatus::converged;
-            return foot;
-        }
+        if (!free_u && !free_v) return foot;
+
+        // Steps of the last bits are kept only while they still help, so that they cannot go round in circles
+        // and a stylus that rests leaves the proxy at rest.
+        const T residual = (free_u ? f.fu * f.fu / f.fuu : T(0)) + (free_v ? f.fv * f.fv / f.fvv : T(0));
+        if (at_resolution && residual >= last_residual) return last;
         if (foot.iterations == options.max_iterations) {
             foot.status = NewtonStatus::iteration_limit;
             return foot;
         }
+        last = foot;
+        last_residual = residual;
 
         // Exact minimisation along one parameter: F is a parabola along u and along v.
         const T along_u = free_u ? std::clamp(foot.u - f.fu / f.fuu, T(0), T(1)) : foot.u;
@@ -159,10 +166,8 @@ template <Real T>
                 v = part == part_v && part < 1 ? (dv > 0 ? T(1) : T(0)) : std::clamp(foot.v + dv, T(0), T(1));
             }
         }
-        if (u == foot.u && v == foot.v) { // the step is below the resolution of u and v
-            foot.status = NewtonStatus::converged;
-            return foot;
-        }
+        if (u == foot.u && v == foot.v) return foot; // the step is below the resolution of u and v
+        at_resolution = std::max(std::abs(u - foot.u), std::abs(v - foot.v)) <= 4 * epsilon<T>;
         foot.u = u;
         foot.v = v;
     }

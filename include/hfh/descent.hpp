@@ -54,17 +54,18 @@ template <Real T>
             n.dj == 0 ? point.v : T(n.dj > 0 ? 0 : 1)};
 }
 
-/// How steeply F falls from (u, v) of this patch inward across the border it was entered by: the sum of
-/// F_u²/F_uu and F_v²/F_vv over the components that fall, 0 if none does.
+/// How steeply F falls from (u, v) into a patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
+/// and may move. 0 if F does not fall across the border by which `entry` comes in (no border, if it stays).
 template <Real T>
-[[nodiscard]] T descent_across(const BilinearPatch<T>& patch, const CellPoint<T>& query, T u, T v,
-                               Neighbour n) noexcept {
+[[nodiscard]] T descent_into(const BilinearPatch<T>& patch, const CellPoint<T>& query, T u, T v,
+                             Neighbour entry) noexcept {
     const DistanceFunction<T> distance{patch, query};
     const auto f = distance(u, v);
-    T fall = 0;
-    if (T(n.di) * f.fu < -distance.noise_u) fall += f.fu * f.fu / f.fuu;
-    if (T(n.dj) * f.fv < -distance.noise_v) fall += f.fv * f.fv / f.fvv;
-    return fall;
+    const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
+    const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
+    const bool stays = entry.di == 0 && entry.dj == 0;
+    if (!stays && !(entry.di != 0 && falls_u) && !(entry.dj != 0 && falls_v)) return 0;
+    return (falls_u ? f.fu * f.fu / f.fuu : T(0)) + (falls_v ? f.fv * f.fv / f.fvv : T(0));
 }
 
 } // namespace detail
@@ -72,8 +73,8 @@ template <Real T>
 /// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates).
 ///
 /// On each patch Newton's method runs to the local minimum or to the border. At the border the proxy goes on in
-/// the neighbour in which the distance falls most steeply from that very point; if it falls in none, it slides
-/// along the border. The distance never rises. Ends where no patch at the point has a descent direction, and
+/// the patch in which the distance falls most steeply from that very point; if that is none of the neighbours, it
+/// slides along the border. The distance never rises. Ends where no patch at the point has a descent direction, and
 /// says so if it ends for another reason. Where a patch is missing the rim holds the point; with the query beyond
 /// that rim the point has slid off.
 ///
@@ -106,8 +107,11 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
         at.v = foot.v;
         gap = foot.gap;
 
-        // The neighbour that leads down most steeply.
-        T steepest = 0;
+        // The patch that leads down most steeply, this one included: each hop at one point goes to a steeper
+        // patch, so hops around a vertex come to an end.
+        T steepest = foot.status == NewtonStatus::at_border
+                         ? detail::descent_into(*patch, local, at.u, at.v, {0, 0})
+                         : T(0);
         SurfacePoint<T> next{};
         std::optional<BilinearPatch<T>> next_patch;
         CellPoint<T> next_local{};
@@ -128,7 +132,7 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
                 continue;
             }
             const auto seen = lattice.locate(query, there.cell);
-            const T fall = detail::descent_across(*candidate, seen, there.u, there.v, n);
+            const T fall = detail::descent_into(*candidate, seen, there.u, there.v, n);
             if (fall > steepest) {
                 steepest = fall;
                 next = there;
