@@ -1,0 +1,120 @@
+#include "options.hpp"
+
+#include "bad_input.hpp"
+#include "numbers.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace demo {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& value, const std::string& rule) {
+    throw BadInput{option + " is " + shown(value) + ", but must be " + rule + "."};
+}
+
+glm::dvec2 spacing_from(const std::string& text) {
+    const std::size_t comma = text.find(',');
+    const std::string_view whole = text;
+    const auto dx = parse_finite(whole.substr(0, comma));
+    const auto dy = comma == std::string::npos ? dx : parse_finite(whole.substr(comma + 1));
+    // Far beyond any terrain, and products of the two still fit a float.
+    const auto fits = [](const std::optional<double>& d) { return d && *d >= 1e-12 && *d <= 1e12; };
+    if (!fits(dx) || !fits(dy)) {
+        refuse("--spacing", text, "one length or two, DX or DX,DY, each from 1e-12 to 1e12 metres");
+    }
+    return {*dx, *dy};
+}
+
+double number_from(const std::string& option, const std::string& text, bool may_be_negative) {
+    const auto value = parse_finite(text);
+    const double size = value ? std::abs(*value) : 0.0;
+    const bool fits = size >= 1e-12 && size <= 1e12 && (may_be_negative || *value > 0);
+    if (!fits)
+        refuse(option, text,
+               std::string{"a number from 1e-12 to 1e12"} + (may_be_negative ? ", or its negative" : ""));
+    return *value;
+}
+
+void refuse_same_file(const char* a, const std::optional<std::filesystem::path>& first, const char* b,
+                      const std::optional<std::filesystem::path>& second) {
+    if (!first || !second) return;
+    std::error_code error;
+    if (std::filesystem::weakly_canonical(*first, error) != std::filesystem::weakly_canonical(*second, error))
+        return;
+    throw BadInput{std::string{a} + " and " + b + " are both " + second->string() +
+                   ", but each must be a file of its own."};
+}
+
+} // namespace
+
+std::optional<Options> read_options(int argc, const char* const* argv) {
+    CLI::App app{"Touches a terrain along a path of the stylus, and says what is felt.", "touch_terrain"};
+    std::string terrain, spacing, height_scale, path, stiffness, record, picture;
+    Options options;
+    app.add_option(
+        "TERRAIN", terrain,
+        "Heights, north row first: .png (8 or 16 bit; the alpha channel if it has one, else grey), .bil or "
+        ".flt beside their .hdr"
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+        ", or anything that GDAL opens"
+#endif
+        ". Default: the Spanish Peaks");
+    app.add_option("--spacing", spacing,
+                   "Metres from sample to sample, east and north. Default: what the file says, "
+                   "else 1")
+        ->type_name("DX[,DY]");
+    app.add_option("--height-scale", height_scale, "Metres per unit of a sample. Default: 1")->type_name("S");
+    app.add_option("--path", path,
+                   "Positions of the stylus, header t,x,y,z, in seconds and metres from the south-west "
+                   "sample. Default: a stroke across the terrain, 20 s at 1 kHz")
+        ->type_name("FILE.csv");
+    app.add_option("--stiffness", stiffness,
+                   "Newtons per metre of depth. Default: 2 N at a quarter of a cell")
+        ->type_name("K");
+    app.add_option("--record", record, "Writes what every update found, one row each")->type_name("FILE.csv");
+    app.add_option("--picture", picture,
+                   "Draws the path on the terrain and the force over time (needs gnuplot)")
+        ->type_name("FILE.png");
+    app.add_flag("--float", options.in_float, "Computes in float instead of double");
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        std::fputs(app.help().c_str(), stdout);
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        std::string what = error.what();
+        std::ranges::replace(what, '\n', ' ');
+        throw BadInput{"The command line cannot be read (see --help): " + what +
+                       (what.ends_with('.') ? "" : ".")};
+    }
+
+    const auto file = [&](const char* option,
+                          const std::string& name) -> std::optional<std::filesystem::path> {
+        if (app.count(option) == 0) return std::nullopt;
+        if (name.empty()) refuse(option, name, "the name of a file");
+        return name;
+    };
+    options.terrain = file("TERRAIN", terrain);
+    options.path = file("--path", path);
+    options.record = file("--record", record);
+    options.picture = file("--picture", picture);
+    if (app.count("--spacing") != 0) options.spacing = spacing_from(spacing);
+    if (app.count("--height-scale") != 0)
+        options.height_scale = number_from("--height-scale", height_scale, true);
+    if (app.count("--stiffness") != 0) options.stiffness = number_from("--stiffness", stiffness, false);
+
+    refuse_same_file("--record", options.record, "--picture", options.picture);
+    refuse_same_file("--path", options.path, "--record", options.record);
+    refuse_same_file("--path", options.path, "--picture", options.picture);
+    refuse_same_file("TERRAIN", options.terrain, "--record", options.record);
+    refuse_same_file("TERRAIN", options.terrain, "--picture", options.picture);
+    return options;
+}
+
+} // namespace demo

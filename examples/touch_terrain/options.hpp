@@ -1,0 +1,28 @@
+#ifndef TOUCH_TERRAIN_OPTIONS_HPP
+#define TOUCH_TERRAIN_OPTIONS_HPP
+
+#include <glm/ext/vector_double2.hpp>
+
+#include <filesystem>
+#include <optional>
+
+namespace demo {
+
+/// The command line, checked.
+struct Options {
+    std::optional<std::filesystem::path> terrain; ///< none: the bundled one
+    std::optional<glm::dvec2> spacing;
+    double height_scale = 1.0;
+    std::optional<std::filesystem::path> path; ///< none: the built-in stroke
+    std::optional<double> stiffness;
+    std::optional<std::filesystem::path> record;
+    std::optional<std::filesystem::path> picture;
+    bool in_float = false;
+};
+
+/// Nothing if the user asked for help, which has then been printed. Throws BadInput.
+[[nodiscard]] std::optional<Options> read_options(int argc, const char* const* argv);
+
+} // namespace demo
+
+#endif // TOUCH_TERRAIN_OPTIONS_HPP
