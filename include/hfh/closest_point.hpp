@@ -68,18 +68,34 @@ struct DistanceFunction {
         T zu, zv;        ///< slopes, metres per cell
         T fu, fv;        ///< Eq. (10)
         T fuu, fvv, fuv; ///< Eq. (11)
+        T gauss_newton; ///< determinant of Eq. (11) without σ·S_uv: dx²dy² + dx²z_v² + dy²z_u², always > 0
+        T determinant; ///< determinant of Eq. (11), from the one above so that it does not cancel on steep ground
     };
     [[nodiscard]] Value operator()(T u, T v) const noexcept {
         const T dx2 = gap.spacing.x * gap.spacing.x, dy2 = gap.spacing.y * gap.spacing.y;
         const T z = gap.height(u, v), zu = gap.slope_u(v), zv = gap.slope_v(u);
-        return {z,
-                zu,
-                zv,
-                dx2 * (u - query_u) + z * zu,
-                dy2 * (v - query_v) + z * zv,
-                dx2 + zu * zu,
-                dy2 + zv * zv,
-                zu * zv + z * gap.twist()};
+        const T slopes = zu * zv, bend = z * gap.twist(), fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
+        const T gauss_newton = dx2 * fvv + dy2 * zu * zu;
+        return {.z = z,
+                .zu = zu,
+                .zv = zv,
+                .fu = dx2 * (u - query_u) + z * zu,
+                .fv = dy2 * (v - query_v) + z * zv,
+                .fuu = fuu,
+                .fvv = fvv,
+                .fuv = slopes + bend,
+                .gauss_newton = gauss_newton,
+                .determinant = gauss_newton - bend * (2 * slopes + bend)};
+    }
+
+    /// The u in [0, 1] that minimises F at this v, and the v at this u: F is a parabola along u and along v.
+    [[nodiscard]] T best_u(T v) const noexcept {
+        const T dx2 = gap.spacing.x * gap.spacing.x, z = gap.height(T(0), v), zu = gap.slope_u(v);
+        return std::clamp((dx2 * query_u - z * zu) / (dx2 + zu * zu), T(0), T(1));
+    }
+    [[nodiscard]] T best_v(T u) const noexcept {
+        const T dy2 = gap.spacing.y * gap.spacing.y, z = gap.height(u, T(0)), zv = gap.slope_v(u);
+        return std::clamp((dy2 * query_v - z * zv) / (dy2 + zv * zv), T(0), T(1));
     }
 
     /// F(u + du, v + dv) − F(u, v): a quartic along the step, written so that nothing cancels.
@@ -90,13 +106,65 @@ struct DistanceFunction {
     }
 };
 
+namespace detail {
+
+/// Newton's step from `at`, as much of it as stays in the patch. Leaves `at` alone and returns false where Eq. (11) is
+/// not safely positive definite, or where the step does not lower F by a quarter of F_u²/F_uu + F_v²/F_vv: at least
+/// half of what minimising along u or v alone can give.
+template <Real T>
+[[nodiscard]] bool newton_step(const DistanceFunction<T>& distance,
+                               const typename DistanceFunction<T>::Value& f, vec2<T>& at) noexcept {
+    if (!(f.determinant > f.gauss_newton / 16)) return false;
+    const T scale = T(1) / f.determinant;
+    T du = (f.fuv * f.fv - f.fvv * f.fu) * scale, dv = (f.fuv * f.fu - f.fuu * f.fv) * scale;
+    T u = at.x + du, v = at.y + dv;
+    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1)) {
+        const T border_u = du > 0 ? T(1) : T(0), border_v = dv > 0 ? T(1) : T(0);
+        const T part_u = u < 0 || u > 1 ? (border_u - at.x) / du : T(1);
+        const T part_v = v < 0 || v > 1 ? (border_v - at.y) / dv : T(1);
+        const T part = std::min(part_u, part_v);
+        du *= part, dv *= part;
+        // The parameter that meets its border first is on it, not a rounding away.
+        u = part == part_u && part < 1 ? border_u : std::clamp(at.x + du, T(0), T(1));
+        v = part == part_v && part < 1 ? border_v : std::clamp(at.y + dv, T(0), T(1));
+    }
+    const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
+    if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return false;
+    at = {u, v};
+    return true;
+}
+
+/// A step along the floor of a bent valley: the curve on which the stiffer parameter is at its best for each value
+/// of the other. Along it F is a function of the other parameter alone, with curvature det/F_uu (or det/F_vv).
+/// Leaves `at` alone and returns false if no such step lowers F by more than `gain` (< 0) does.
+template <Real T>
+[[nodiscard]] bool valley_step(const DistanceFunction<T>& distance,
+                               const typename DistanceFunction<T>::Value& f, T gain, vec2<T>& at) noexcept {
+    const bool along_v = f.fuu >= f.fvv;
+    const T from = along_v ? at.y : at.x, stiff = along_v ? f.fuu : f.fvv;
+    const T slope = along_v ? f.fuu * f.fv - f.fuv * f.fu : f.fvv * f.fu - f.fuv * f.fv;
+    const T curvature = std::max(std::abs(f.determinant), epsilon<T> * stiff * stiff);
+    T step = std::clamp(from - slope / curvature, T(0), T(1)) - from;
+    for (int halving = 0; halving < 8; ++halving, step /= 2) {
+        const T to = std::clamp(from + step, T(0), T(1));
+        const vec2<T> floor = along_v ? vec2<T>{distance.best_u(to), to} : vec2<T>{to, distance.best_v(to)};
+        if (distance.change(f, floor.x - at.x, floor.y - at.y) < gain) {
+            at = floor;
+            return true;
+        }
+    }
+    return false;
+}
+
+} // namespace detail
+
 /// The local closest point of §4.3.2 on one closed patch, downhill from `start`.
 ///
-/// Newton's method on Eq. (10), kept in 0 ≤ u, v ≤ 1, with a safeguard: on each iteration the Newton step (with
-/// the Gauss-Newton matrix, which drops σ·S_uv, where Eq. (11) is not safely positive definite) is taken only
-/// if it lowers F at least half as much as the better of the two exact minimisations along u or v alone; else
-/// that one is. F never rises, so the point never gets farther from the query, and steps are bounded. The paper
-/// iterates plain Newton; for depths near the radius of curvature that ends elsewhere or nowhere.
+/// Newton's method on Eq. (10), kept in 0 ≤ u, v ≤ 1, with two safeguards: where Eq. (11) is not safely positive
+/// definite, or a step is not worth its while, the point follows the floor of the valley that F has there, or goes
+/// to the minimum along u or v alone, which is always possible. F never rises, so the point never gets farther
+/// from the query. The paper iterates plain Newton; for depths near the radius of curvature that ends elsewhere or
+/// nowhere.
 ///
 /// Finds a local minimum, the one below `start`. start: 0 ≤ u, v ≤ 1. Does not allocate.
 template <Real T>
@@ -114,8 +182,8 @@ template <Real T>
 
         // A component may move if its derivative is more than noise and does not push across the border.
         const bool pulls_u = std::abs(f.fu) > distance.noise_u, pulls_v = std::abs(f.fv) > distance.noise_v;
-        const bool held_u = f.fu > 0 ? foot.u <= 0 : foot.u >= 1,
-                   held_v = f.fv > 0 ? foot.v <= 0 : foot.v >= 1;
+        const bool held_u = f.fu > 0 ? foot.u <= 0 : foot.u >= 1;
+        const bool held_v = f.fv > 0 ? foot.v <= 0 : foot.v >= 1;
         if (options.border == BorderRule::stop && ((pulls_u && held_u) || (pulls_v && held_v))) {
             foot.status = NewtonStatus::at_border;
             return foot;
@@ -125,7 +193,7 @@ template <Real T>
 
         // Steps of the last bits are kept only while they still help, so that they cannot go round in circles
         // and a stylus that rests leaves the proxy at rest.
-        const T residual = (free_u ? f.fu * f.fu / f.fuu : T(0)) + (free_v ? f.fv * f.fv / f.fvv : T(0));
+        const T residual = (free_u ? f.fu * f.fu * f.fvv : T(0)) + (free_v ? f.fv * f.fv * f.fuu : T(0));
         if (at_resolution && residual >= last_residual) return last;
         if (foot.iterations == options.max_iterations) {
             foot.status = NewtonStatus::iteration_limit;
@@ -134,42 +202,21 @@ template <Real T>
         last = foot;
         last_residual = residual;
 
-        // Exact minimisation along one parameter: F is a parabola along u and along v.
-        const T along_u = free_u ? std::clamp(foot.u - f.fu / f.fuu, T(0), T(1)) : foot.u;
-        const T along_v = free_v ? std::clamp(foot.v - f.fv / f.fvv, T(0), T(1)) : foot.v;
-        const T gain_u = distance.change(f, along_u - foot.u, T(0));
-        const T gain_v = distance.change(f, T(0), along_v - foot.v);
-        T u = gain_u <= gain_v ? along_u : foot.u;
-        T v = gain_u <= gain_v ? foot.v : along_v;
-
-        if (!held_u && !held_v) {
-            // det of Eq. (11), from the Gauss-Newton determinant dx²dy² + dx²z_v² + dy²z_u² so that it does not
-            // cancel on steep ground.
-            const T dx2 = patch.spacing.x * patch.spacing.x, dy2 = patch.spacing.y * patch.spacing.y;
-            const T slopes = f.zu * f.zv, bend = f.fuv - slopes;
-            const T gauss_newton = dx2 * f.fvv + dy2 * f.zu * f.zu;
-            const T newton = gauss_newton - bend * (2 * slopes + bend);
-            const bool definite = newton > gauss_newton / 16;
-            const T determinant = definite ? newton : gauss_newton, cross = definite ? f.fuv : slopes;
-            T du = (cross * f.fv - f.fvv * f.fu) / determinant,
-              dv = (cross * f.fu - f.fuu * f.fv) / determinant;
-
-            // As much of the step as stays in the patch.
-            const T room_u = du > 0 ? 1 - foot.u : foot.u, room_v = dv > 0 ? 1 - foot.v : foot.v;
-            const T part_u = std::abs(du) > room_u ? room_u / std::abs(du) : T(1);
-            const T part_v = std::abs(dv) > room_v ? room_v / std::abs(dv) : T(1);
-            const T part = std::min(part_u, part_v);
-            du *= part, dv *= part;
-            if (distance.change(f, du, dv) <= std::min(gain_u, gain_v) / 2) {
-                // A component that met the border is on it, not a rounding away.
-                u = part == part_u && part < 1 ? (du > 0 ? T(1) : T(0)) : std::clamp(foot.u + du, T(0), T(1));
-                v = part == part_v && part < 1 ? (dv > 0 ? T(1) : T(0)) : std::clamp(foot.v + dv, T(0), T(1));
+        vec2<T> next{foot.u, foot.v};
+        const bool inside = !held_u && !held_v;
+        if (!inside || !detail::newton_step(distance, f, next)) {
+            const T u = free_u ? std::clamp(foot.u - f.fu / f.fuu, T(0), T(1)) : foot.u;
+            const T v = free_v ? std::clamp(foot.v - f.fv / f.fvv, T(0), T(1)) : foot.v;
+            const T gain_u = distance.change(f, u - foot.u, T(0)),
+                    gain_v = distance.change(f, T(0), v - foot.v);
+            if (!inside || !detail::valley_step(distance, f, std::min(gain_u, gain_v), next)) {
+                next = gain_u <= gain_v ? vec2<T>{u, foot.v} : vec2<T>{foot.u, v};
             }
         }
-        if (u == foot.u && v == foot.v) return foot; // the step is below the resolution of u and v
-        at_resolution = std::max(std::abs(u - foot.u), std::abs(v - foot.v)) <= 4 * epsilon<T>;
-        foot.u = u;
-        foot.v = v;
+        if (next.x == foot.u && next.y == foot.v) return foot; // below the resolution of u and v
+        at_resolution = std::max(std::abs(next.x - foot.u), std::abs(next.y - foot.v)) <= 4 * epsilon<T>;
+        foot.u = next.x;
+        foot.v = next.y;
     }
 }
 

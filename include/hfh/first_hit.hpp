@@ -103,7 +103,8 @@ template <HeightField Field>
             return true;
         }
 
-        const BilinearPatch<double> patch{p.p00, p.p10, p.p01, p.p11};
+        const BilinearPatch<double> patch{static_cast<double>(p.p00), static_cast<double>(p.p10),
+                                          static_cast<double>(p.p01), static_cast<double>(p.p11)};
         glm::dvec2 from = span.in;
         double t = span.t_in;
         double f0 = carried_at == span.t_in ? carried_f : z_in - patch.height(from.x, from.y);
