@@ -86,6 +86,10 @@ private:
     GridStatus status_ = GridStatus::ok;
 };
 
+/// Computes in double unless told otherwise.
+template <class Heights>
+BilinearGrid(Heights, const GridFrame&) -> BilinearGrid<double, Heights>;
+
 } // namespace hfh
 
 #endif // HFH_BILINEAR_GRID_HPP
