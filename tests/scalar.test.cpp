@@ -1,0 +1,63 @@
+#include "catch.hpp"
+#include "support/random.hpp"
+
+#include <hfh/scalar.hpp>
+
+#include <cmath>
+#include <type_traits>
+
+using hfh::is_finite;
+
+TEST_CASE("scalar: float and double are the scalars and nothing else is", "[scalar]") {
+    STATIC_REQUIRE(hfh::Real<float>);
+    STATIC_REQUIRE(hfh::Real<double>);
+    STATIC_REQUIRE_FALSE(hfh::Real<long double>);
+    STATIC_REQUIRE_FALSE(hfh::Real<int>);
+    STATIC_REQUIRE_FALSE(hfh::Real<const double>);
+    STATIC_REQUIRE(std::is_signed_v<hfh::Index>);
+    STATIC_REQUIRE(std::is_same_v<hfh::vec3<float>, glm::vec3>);
+    STATIC_REQUIRE(std::is_same_v<hfh::vec2<double>, glm::dvec2>);
+}
+
+TEMPLATE_TEST_CASE("scalar: epsilon is the spacing of numbers at 1", "[scalar]", float, double) {
+    using T = TestType;
+    CHECK(hfh::epsilon<T> == std::nextafter(T(1), T(2)) - T(1));
+}
+
+TEMPLATE_TEST_CASE("scalar: is_finite refuses NaN of either sign and both infinities", "[scalar][hard]",
+                   float, double) {
+    using T = TestType;
+    using limits = std::numeric_limits<T>;
+    for (const T bad : {limits::quiet_NaN(), -limits::quiet_NaN(), limits::signaling_NaN(),
+                        limits::infinity(), -limits::infinity()}) {
+        CHECK_FALSE(is_finite(bad));
+        CHECK_FALSE(is_finite(hfh::vec3<T>{bad, 0, 0}));
+        CHECK_FALSE(is_finite(hfh::vec3<T>{0, bad, 0}));
+        CHECK_FALSE(is_finite(hfh::vec3<T>{0, 0, bad}));
+    }
+    for (const T good : {T(0), -T(0), limits::denorm_min(), limits::min(), limits::max(), limits::lowest()}) {
+        CHECK(is_finite(good));
+        CHECK(is_finite(hfh::vec3<T>{good, good, good}));
+    }
+    STATIC_REQUIRE(is_finite(T(1)));
+    STATIC_REQUIRE_FALSE(is_finite(limits::infinity()));
+}
+
+TEMPLATE_TEST_CASE("scalar: is_finite agrees with the standard library on random bit patterns",
+                   "[scalar][law]", float, double) {
+    using T = TestType;
+    using Bits = std::conditional_t<std::is_same_v<T, float>, std::uint32_t, std::uint64_t>;
+    hfh::test::Random random{1};
+    int disagreements = 0, infinite = 0;
+    for (int n = 0; n < 100'000; ++n) {
+        Bits bits = static_cast<Bits>(random.whole(0, std::numeric_limits<std::int64_t>::max() - 1)) << 1;
+        // Every other one with all exponent bits set, which random bits rarely have.
+        if (n % 2 == 0) bits |= std::bit_cast<Bits>(std::numeric_limits<T>::infinity());
+        if (n % 64 == 0) bits = std::bit_cast<Bits>(std::numeric_limits<T>::infinity());
+        const T x = std::bit_cast<T>(bits);
+        infinite += !std::isfinite(x);
+        disagreements += is_finite(x) != std::isfinite(x);
+    }
+    CHECK(disagreements == 0);
+    CHECK(infinite >= 50'000);
+}
