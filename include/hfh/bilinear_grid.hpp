@@ -60,7 +60,7 @@ public:
         return {{0, 0}, {heights_.columns() - 1, heights_.rows() - 1}};
     }
 
-    /// The patch over cell c; empty outside the grid and where a corner is missing.
+    /// The patch over cell c; empty outside the grid and where a corner is missing or has no finite height.
     [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         if (!cells().contains(c)) return std::nullopt;
         const auto s00 = heights_(c.i, c.j), s10 = heights_(c.i + 1, c.j);
@@ -69,7 +69,13 @@ public:
             heights_.missing(s11)) {
             return std::nullopt;
         }
-        return BilinearPatch<T>{metres(s00), metres(s10), metres(s01), metres(s11), spacing_};
+        const BilinearPatch<T> found{metres(s00), metres(s10), metres(s01), metres(s11), spacing_};
+        // A finite sample may be no finite height: −1.8·10³⁰⁸, a common "no data", in a float field.
+        if (!is_finite(found.p00) || !is_finite(found.p10) || !is_finite(found.p01) ||
+            !is_finite(found.p11)) {
+            return std::nullopt;
+        }
+        return found;
     }
 
 private:
