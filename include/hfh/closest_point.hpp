@@ -49,17 +49,21 @@ template <Real T>
 struct DistanceFunction {
     BilinearPatch<T> gap; ///< the patch seen from the query's height: corners − query.z
     T query_u, query_v;
-    T noise_u, noise_v; ///< rounding error of F_u and F_v: no descent smaller than this is believed
+    T noise_u, noise_v; ///< resolution of F_u and F_v: no descent smaller than this is believed
 
     DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
         : gap{patch.p00 - query.z, patch.p10 - query.z, patch.p01 - query.z, patch.p11 - query.z,
               patch.spacing},
           query_u{query.u}, query_v{query.v} {
-        // F_u = dx²(u − u_q) + σ_z·z_u. The first term is exact to a relative rounding; σ_z is four roundings of
-        // the largest corner and z_u of the larger of the two edge slopes it lies between.
+        // F_u = dx²(u − u_q) + σ_z·z_u. The product is good to a few roundings of the largest corner times the
+        // larger of the two edge slopes; and u itself has steps of an ulp, each worth F_uu. Where the patch is
+        // level along u there is neither: u = u_q is met to the bit.
         const T reach = std::max(std::abs(gap.highest()), std::abs(gap.lowest()));
-        noise_u = 4 * epsilon<T> * reach * std::max(std::abs(gap.p10 - gap.p00), std::abs(gap.p11 - gap.p01));
-        noise_v = 4 * epsilon<T> * reach * std::max(std::abs(gap.p01 - gap.p00), std::abs(gap.p11 - gap.p10));
+        const T rise_u = std::max(std::abs(gap.p10 - gap.p00), std::abs(gap.p11 - gap.p01));
+        const T rise_v = std::max(std::abs(gap.p01 - gap.p00), std::abs(gap.p11 - gap.p10));
+        const T dx2 = gap.spacing.x * gap.spacing.x, dy2 = gap.spacing.y * gap.spacing.y;
+        noise_u = rise_u > 0 ? 4 * epsilon<T> * (dx2 + rise_u * (rise_u + reach)) : T(0);
+        noise_v = rise_v > 0 ? 4 * epsilon<T> * (dy2 + rise_v * (rise_v + reach)) : T(0);
     }
 
     /// Everything at one (u, v).
@@ -108,17 +112,25 @@ struct DistanceFunction {
 
 namespace detail {
 
-/// Newton's step from `at`, as much of it as stays in the patch. Leaves `at` alone and returns false where Eq. (11) is
-/// not safely positive definite, or where the step does not lower F by a quarter of F_u²/F_uu + F_v²/F_vv: at least
-/// half of what minimising along u or v alone can give.
+enum class NewtonStep : unsigned char { refused, taken, arrived };
+
+/// Newton's step from `at`, as much of it as stays in the patch.
+///
+/// refused: Eq. (11) is not safely positive definite, or the step does not lower F by a quarter of
+/// F_u²/F_uu + F_v²/F_vv, which is at least half of what minimising along u or v alone can give; `at` is as it was.
+/// arrived: the whole step was taken and what it leaves of F_u and F_v is below their resolution. What it leaves is
+/// known without looking: the terms that Eq. (11) does not hold, A dv (z₁ + z₂) + z_u z₂ and A du (z₁ + z₂) + z_v z₂
+/// with z₁ + z₂ the change of height.
 template <Real T>
-[[nodiscard]] bool newton_step(const DistanceFunction<T>& distance,
-                               const typename DistanceFunction<T>::Value& f, vec2<T>& at) noexcept {
-    if (!(f.determinant > f.gauss_newton / 16)) return false;
+[[nodiscard]] NewtonStep newton_step(const DistanceFunction<T>& distance,
+                                     const typename DistanceFunction<T>::Value& f, vec2<T>& at,
+                                     T& gap) noexcept {
+    if (!(f.determinant > f.gauss_newton / 16)) return NewtonStep::refused;
     const T scale = T(1) / f.determinant;
     T du = (f.fuv * f.fv - f.fvv * f.fu) * scale, dv = (f.fuv * f.fu - f.fuu * f.fv) * scale;
     T u = at.x + du, v = at.y + dv;
-    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1)) {
+    const bool whole = u >= 0 && u <= 1 && v >= 0 && v <= 1;
+    if (!whole) {
         const T border_u = du > 0 ? T(1) : T(0), border_v = dv > 0 ? T(1) : T(0);
         const T part_u = u < 0 || u > 1 ? (border_u - at.x) / du : T(1);
         const T part_v = v < 0 || v > 1 ? (border_v - at.y) / dv : T(1);
@@ -129,9 +141,15 @@ template <Real T>
         v = part == part_v && part < 1 ? border_v : std::clamp(at.y + dv, T(0), T(1));
     }
     const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
-    if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return false;
+    if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;
     at = {u, v};
-    return true;
+
+    const T twist = distance.gap.twist(), bent = twist * du * dv, climb = f.zu * du + f.zv * dv + bent;
+    const T left_u = twist * dv * climb + f.zu * bent, left_v = twist * du * climb + f.zv * bent;
+    gap = f.z + climb;
+    return whole && 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
+               ? NewtonStep::arrived
+               : NewtonStep::taken;
 }
 
 /// A step along the floor of a bent valley: the curve on which the stiffer parameter is at its best for each value
@@ -204,7 +222,11 @@ template <Real T>
 
         vec2<T> next{foot.u, foot.v};
         const bool inside = !held_u && !held_v;
-        if (!inside || !detail::newton_step(distance, f, next)) {
+        const auto step =
+            inside ? detail::newton_step(distance, f, next, foot.gap) : detail::NewtonStep::refused;
+        if (step == detail::NewtonStep::arrived)
+            return {next.x, next.y, foot.gap, NewtonStatus::converged, foot.iterations + 1};
+        if (step == detail::NewtonStep::refused) {
             const T u = free_u ? std::clamp(foot.u - f.fu / f.fuu, T(0), T(1)) : foot.u;
             const T v = free_v ? std::clamp(foot.v - f.fv / f.fvv, T(0), T(1)) : foot.v;
             const T gain_u = distance.change(f, u - foot.u, T(0)),
