@@ -25,14 +25,14 @@ enum class GridStatus : unsigned char {
     ok,
     too_few_samples, ///< fewer than 2 columns or 2 rows
     bad_spacing, ///< spacing not finite, not > 0, or so small that 1/spacing overflows; or origin not finite
-    bad_height_scale ///< height scale or offset not finite
+    bad_height_scale ///< height scale or offset not finite, or too large for the range of an integer sample
 };
 
-/// The library's own height field: a view on samples and a frame.
+/// The library's own height field: samples, usually a `HeightView`, and a frame.
 ///
 /// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does
 /// not throw: a grid made from a bad frame says so in `status()` and is empty, so that nothing is ever felt.
-template <Real T, class Heights>
+template <Real T, HeightSource Heights>
 class BilinearGrid {
 public:
     using Scalar = T;
@@ -46,8 +46,10 @@ public:
         } else if (!lattice_.valid() || !is_finite(spacing_.x * spacing_.y) ||
                    !(spacing_.x * spacing_.y > 0)) {
             status_ = GridStatus::bad_spacing;
-        } else if (!is_finite(height_scale_) || !is_finite(height_offset_)) {
+        } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !integers_stay_finite()) {
             status_ = GridStatus::bad_height_scale;
+        } else {
+            cells_.last = {heights.columns() - 1, heights.rows() - 1};
         }
     }
 
@@ -55,14 +57,11 @@ public:
     [[nodiscard]] constexpr const Heights& heights() const noexcept { return heights_; }
     [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return lattice_; }
 
-    [[nodiscard]] constexpr CellRange cells() const noexcept {
-        if (status_ != GridStatus::ok) return {};
-        return {{0, 0}, {heights_.columns() - 1, heights_.rows() - 1}};
-    }
+    [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
 
     /// The patch over cell c; empty outside the grid and where a corner is missing or has no finite height.
     [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
-        if (!cells().contains(c)) return std::nullopt;
+        if (!cells_.contains(c)) return std::nullopt;
         const auto s00 = heights_(c.i, c.j), s10 = heights_(c.i + 1, c.j);
         const auto s01 = heights_(c.i, c.j + 1), s11 = heights_(c.i + 1, c.j + 1);
         if (heights_.missing(s00) || heights_.missing(s10) || heights_.missing(s01) ||
@@ -70,21 +69,33 @@ public:
             return std::nullopt;
         }
         const BilinearPatch<T> found{metres(s00), metres(s10), metres(s01), metres(s11), spacing_};
-        // A finite sample may be no finite height: −1.8·10³⁰⁸, a common "no data", in a float field.
-        if (!is_finite(found.p00) || !is_finite(found.p10) || !is_finite(found.p01) ||
-            !is_finite(found.p11)) {
-            return std::nullopt;
+        if constexpr (std::is_floating_point_v<SampleType>) {
+            // A finite sample may be no finite height: −1.8·10³⁰⁸, a common "no data", in a float field.
+            if (!is_finite(found.p00) || !is_finite(found.p10) || !is_finite(found.p01) ||
+                !is_finite(found.p11)) {
+                return std::nullopt;
+            }
         }
         return found;
     }
 
 private:
+    using SampleType = typename Heights::SampleType;
+
+    /// Whether every value of an integer sample is a finite height, so that no patch need ask.
+    [[nodiscard]] constexpr bool integers_stay_finite() const noexcept {
+        using Limits = std::numeric_limits<SampleType>;
+        return std::is_floating_point_v<SampleType> ||
+               (is_finite(metres(Limits::lowest())) && is_finite(metres(Limits::max())));
+    }
+
     template <Sample S>
     [[nodiscard]] constexpr T metres(S sample) const noexcept {
         return height_offset_ + height_scale_ * static_cast<T>(sample);
     }
 
     Heights heights_;
+    CellRange cells_{};
     Lattice lattice_;
     vec2<T> spacing_;
     T height_scale_;
@@ -93,7 +104,7 @@ private:
 };
 
 /// Computes in double unless told otherwise.
-template <class Heights>
+template <HeightSource Heights>
 BilinearGrid(Heights, const GridFrame&) -> BilinearGrid<double, Heights>;
 
 } // namespace hfh
