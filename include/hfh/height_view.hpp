@@ -17,18 +17,16 @@ concept Sample = std::is_arithmetic_v<S> && !std::same_as<S, bool>;
 
 /// Where a grid's heights come from: `HeightView`, or a user's own storage (tiles, a compressed raster) that has
 /// the same five members. Read only at 0 ≤ i < columns(), 0 ≤ j < rows().
+// clang-format off
 template <class H>
-concept HeightSource = Sample<typename H::SampleType> &&
-    requires(const H& heights, Index i, typename H::SampleType sample) {
-    { heights.columns() }
-    noexcept->std::convertible_to<Index>;
-    { heights.rows() }
-    noexcept->std::convertible_to<Index>;
-    { heights(i, i) }
-    noexcept->std::same_as<typename H::SampleType>;
-    { heights.missing(sample) }
-    noexcept->std::convertible_to<bool>;
-};
+concept HeightSource = Sample<typename H::SampleType>
+    && requires(const H& heights, Index i, typename H::SampleType sample) {
+        { heights.columns() } noexcept -> std::convertible_to<Index>;
+        { heights.rows() } noexcept -> std::convertible_to<Index>;
+        { heights(i, i) } noexcept -> std::same_as<typename H::SampleType>;
+        { heights.missing(sample) } noexcept -> std::convertible_to<bool>;
+    };
+// clang-format on
 
 /// Every sample is a height.
 struct NeverMissing {
