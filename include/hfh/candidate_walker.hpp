@@ -22,54 +22,62 @@ struct CellSpan {
 
 namespace detail {
 
-/// A coordinate as a cell number and the rest, 0 ≤ rest < 1.
+/// A coordinate as a cell number and the rest in metres, 0 ≤ rest < spacing.
 struct Split {
     Index cell;
     double rest;
 };
 
 [[nodiscard]] inline Split split(double x, double origin, double spacing, double per_metre) noexcept {
+    // The product may round across the line, 49·(1/49) < 1; the rest tells.
     const double number = std::floor((x - origin) * per_metre);
-    const double rest = ((x - origin) - number * spacing) * per_metre;
-    // The product above may round across the line; the rest tells.
+    const double rest = (x - origin) - number * spacing;
     const auto cell = static_cast<Index>(number);
-    if (rest < 0) return {cell - 1, std::min(rest + 1, 1 - epsilon<double> / 2)};
-    if (rest >= 1) return {cell + 1, 0.0};
-    return {cell, rest};
+    if (rest >= spacing) return {cell + 1, rest - spacing};
+    if (rest >= 0) return {cell, rest};
+    return rest + spacing < spacing ? Split{cell - 1, rest + spacing} : Split{cell, 0.0};
 }
 
 /// One axis of a walk: which cells it passes and when it crosses the line into the next.
+///
+/// A time is one quotient of lengths in metres. Where these are exact, it is the exact time, correctly rounded, and
+/// the two axes agree to the bit on when a vertex is passed.
 struct AxisWalk {
     static constexpr double never = 2; ///< later than any t of a segment
 
-    Index base, cell, last; ///< cell of a; current cell; cell of b
-    Index step;             ///< +1, −1, or 0 for a segment that does not move along this axis
-    double a, d;            ///< start and displacement, in cells from line `base`
-    double per_d;           ///< 1/d, or 0
-    double end;             ///< b, in cells from line `last`
-    bool on_line;           ///< the whole segment lies on the line between `cell − 1` and `cell`
+    Index base, first, cell, last; ///< cell of a; cells where the walk begins, is and ends
+    Index step;                    ///< +1, −1, or 0 for a segment that does not move along this axis
+    double spacing, per_metre;
+    double a, d;       ///< start and displacement, in metres from line `base`
+    double start, end; ///< a and b in cells from lines `first` and `last`
+    bool on_line;      ///< the whole segment lies on the line between `cell − 1` and `cell`
 
-    AxisWalk(double from, double to, double origin, double spacing, double per_metre) noexcept {
-        const Split start = split(from, origin, spacing, per_metre),
-                    goal = split(to, origin, spacing, per_metre);
-        base = cell = start.cell;
+    AxisWalk(double from, double to, double origin, double dx, double cells_per_metre) noexcept
+        : spacing{dx}, per_metre{cells_per_metre} {
+        const Split begin = split(from, origin, dx, per_metre), goal = split(to, origin, dx, per_metre);
+        base = cell = begin.cell;
         last = goal.cell;
-        a = start.rest;
-        end = goal.rest;
-        d = (to - from) * per_metre;
+        a = begin.rest;
+        start = in_cells(begin.rest);
+        end = in_cells(goal.rest);
+        d = to - from;
         step = d > 0 ? 1 : d < 0 ? -1 : 0;
         on_line = step == 0 && a == 0;
         // Cells are closed: a segment that leaves a line touches the cell behind it, and one that ends on a line
         // touches the cell beyond it.
-        if (step > 0 && a == 0) --cell;
-        if (step < 0 && end == 0) --last, end = 1;
+        if (step > 0 && a == 0) --cell, start = 1;
+        if (step < 0 && goal.rest == 0) --last, end = 1;
         if ((last - cell) * step <= 0) last = cell;
-        per_d = step == 0 ? 0 : 1 / d;
+        first = cell;
     }
 
-    /// When the segment is on grid line i.
+    /// A length within a cell, in cells.
+    [[nodiscard]] double in_cells(double metres) const noexcept {
+        return std::clamp(metres * per_metre, 0.0, 1.0);
+    }
+    /// When the segment is on grid line i. Precondition: step ≠ 0.
     [[nodiscard]] double time_at(Index i) const noexcept {
-        return std::clamp((static_cast<double>(i - base) - a) * per_d, 0.0, 1.0);
+        return std::clamp((static_cast<double>(i - base) * spacing - a) / d, 0.0, 1.0);
     }
     /// When the segment enters the next cell.
     [[nodiscard]] double next() const noexcept {
@@ -77,30 +85,36 @@ struct AxisWalk {
     }
     /// Position at t in the current cell.
     [[nodiscard]] double at(double t) const noexcept {
+        if (t == 0 && cell == first) return start;
         if (t == 1 && cell == last) return end;
-        return std::clamp((a - static_cast<double>(cell - base)) + t * d, 0.0, 1.0);
+        return in_cells((a - static_cast<double>(cell - base) * spacing) + t * d);
+    }
+    /// Position at t, where the walk begins in the current cell: to the bit on a line that is met at t.
+    [[nodiscard]] double entry(double t) const noexcept {
+        if (cell != first && time_at(step > 0 ? cell : cell + 1) >= t) return 1 - leaving();
+        return next() <= t ? leaving() : at(t);
     }
     /// The line on which the current cell is left (1 or 0).
     [[nodiscard]] double leaving() const noexcept { return step > 0 ? 1 : 0; }
 
-    /// When the segment enters and leaves the cells first ≤ i < past; later than `never` if it does not.
-    [[nodiscard]] bool clip(Index first, Index past, double& t_enter, double& t_leave) const noexcept {
-        if (step == 0) return (first <= cell && cell < past) || (on_line && cell == past);
+    /// When the segment enters and leaves the cells from ≤ i < past; later than `never` if it does not.
+    [[nodiscard]] bool clip(Index from, Index past, double& t_enter, double& t_leave) const noexcept {
+        if (step == 0) return (from <= cell && cell < past) || (on_line && cell == past);
         const Index lowest = std::min(cell, last), highest = std::max(cell, last);
-        if (highest < first || lowest >= past) return false;
-        const Index entry = step > 0 ? first : past - 1;
-        const Index exit = step > 0 ? past - 1 : first;
-        if ((entry - cell) * step > 0) t_enter = std::max(t_enter, time_at(step > 0 ? first : past));
-        if ((last - exit) * step > 0) t_leave = std::min(t_leave, time_at(step > 0 ? past : first));
+        if (highest < from || lowest >= past) return false;
+        const Index in = step > 0 ? from : past - 1;
+        const Index out = step > 0 ? past - 1 : from;
+        if ((in - cell) * step > 0) t_enter = std::max(t_enter, time_at(step > 0 ? from : past));
+        if ((last - out) * step > 0) t_leave = std::min(t_leave, time_at(step > 0 ? past : from));
         return true;
     }
-    /// Goes to the earliest cell of first ≤ i < past that holds the position at t.
-    void skip_to(double t, Index first, Index past) noexcept {
+    /// Goes to the earliest cell of from ≤ i < past that holds the position at t.
+    void skip_to(double t, Index from, Index past) noexcept {
         if (step == 0) return;
-        const auto near = base + static_cast<Index>(std::floor(a + t * d));
+        const auto near = base + static_cast<Index>(std::floor((a + t * d) * per_metre));
         Index there = std::clamp(near - step, std::min(cell, last), std::max(cell, last));
-        there = std::clamp(there, first, past - 1);
-        const Index stop = std::clamp(last, first, past - 1);
+        there = std::clamp(there, from, past - 1);
+        const Index stop = std::clamp(last, from, past - 1);
         while (there != stop && time_at(step > 0 ? there + 1 : there) < t) there += step;
         cell = there;
     }
@@ -155,9 +169,9 @@ void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2
         return visit_row(span);
     };
 
-    glm::dvec2 in{x.at(t), y.at(t)};
+    glm::dvec2 in{x.entry(t), y.entry(t)};
+    double next_x = x.next(), next_y = y.next();
     for (;;) {
-        const double next_x = x.next(), next_y = y.next();
         const double t_out = std::max(t, std::min(std::min(next_x, next_y), 1.0));
         const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
         const glm::dvec2 out{cross_x ? x.leaving() : x.at(t_out), cross_y ? y.leaving() : y.at(t_out)};
@@ -172,8 +186,8 @@ void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2
             if (!visit_one({{x.cell + x.step, y.cell}, t_out, t_out, beside_x, beside_x})) return;
             if (!visit_one({{x.cell, y.cell + y.step}, t_out, t_out, beside_y, beside_y})) return;
         }
-        if (cross_x) x.cell += x.step;
-        if (cross_y) y.cell += y.step;
+        if (cross_x) x.cell += x.step, next_x = x.next();
+        if (cross_y) y.cell += y.step, next_y = y.next();
         t = t_out;
         const bool inside_x = (range.first.i <= x.cell && x.cell < range.last.i) || x.on_line;
         const bool inside_y = (range.first.j <= y.cell && y.cell < range.last.j) || y.on_line;

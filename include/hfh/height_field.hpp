@@ -20,15 +20,15 @@ namespace hfh {
 /// finite and its spacing is the lattice's. Patches of neighbouring cells agree on their shared corners to the
 /// bit; the surface is then continuous and the library's guarantees hold. Heights may change between updates,
 /// not during one.
+// clang-format off
 template <class F>
-concept HeightField = Real<typename F::Scalar> && requires(const F& field, Cell cell) {
-    { field.lattice() }
-    noexcept->std::convertible_to<Lattice>;
-    { field.cells() }
-    noexcept->std::same_as<CellRange>;
-    { field.patch(cell) }
-    noexcept->std::same_as<std::optional<BilinearPatch<typename F::Scalar>>>;
-};
+concept HeightField = Real<typename F::Scalar>
+    && requires(const F& field, Cell cell) {
+        { field.lattice() } noexcept -> std::convertible_to<Lattice>;
+        { field.cells() } noexcept -> std::same_as<CellRange>;
+        { field.patch(cell) } noexcept -> std::same_as<std::optional<BilinearPatch<typename F::Scalar>>>;
+    };
+// clang-format on
 
 } // namespace hfh
 
