@@ -122,17 +122,25 @@ void place(Script& script, const Layout& layout, const Box& box) {
            << "\nset bmargin at screen " << layout.y(box.top + box.height) << "\n";
 }
 
-/// Named blocks, `$path` in map units and `$force` in seconds, for what follows.
-void define_data(Script& script, const std::vector<TracePoint>& points, double unit) {
-    script << "$path << EOD\n";
-    for (const TracePoint& point : points) script << point.at.x / unit << " " << point.at.y / unit << "\n";
-    script << "EOD\n$touch << EOD\n";
-    for (const TracePoint& point : points) {
+/// Named blocks for what follows: `$touch` and `$free` (the path in contact and not) in map units, `$start` (its first
+/// point), and `$force` in seconds.
+void define_data(Script& script, const Trace& trace, double unit) {
+    const auto& path = trace.path.points();
+    const auto in_air = [&](std::size_t k) { return k < path.size() && !path[k].contact; };
+    script << "$touch << EOD\n";
+    for (const TracePoint& point : path) {
         if (point.contact) script << point.at.x / unit << " " << point.at.y / unit << " " << point.force;
         script << "\n"; // an empty line lifts the pen
     }
-    script << "EOD\n$force << EOD\n";
-    for (const TracePoint& point : points) script << point.t << " " << point.force << "\n";
+    script << "EOD\n$free << EOD\n";
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        const bool drawn = in_air(k) || in_air(k - 1) || in_air(k + 1); // up to the contact on either side
+        if (drawn) script << path[k].at.x / unit << " " << path[k].at.y / unit;
+        script << "\n";
+    }
+    script << "EOD\n$start << EOD\n" << path[0].at.x / unit << " " << path[0].at.y / unit << "\nEOD\n";
+    script << "$force << EOD\n";
+    for (const TracePoint& point : trace.force.points()) script << point.t << " " << point.force << "\n";
     script << "EOD\n";
 }
 
@@ -172,12 +180,12 @@ void draw_map(Script& script, const Layout& layout, const Raster& relief, const 
            << "plot '-' binary array=(" << relief.columns << "," << relief.rows
            << ") format='%uchar%uchar%uchar' dx=" << pixel.x << " dy=" << pixel.y << " origin=("
            << low.x + pixel.x / 2 << "," << low.y + pixel.y / 2 << ") using 1:2:3 with rgbimage, "
-           << "$path using 1:2 with lines lc '#ffffff' lw 4, "
-           << "$path using 1:2 with lines lc '#20242b' lw 2 dt (5,5), "
+           << "$free using 1:2 with lines lc '#ffffff' lw 4, "
+           << "$free using 1:2 with lines lc '#20242b' lw 2 dt (5,5), "
            << "$touch using 1:2 with lines lc '#20242b' lw 7.5, "
            << "$touch using 1:2:3 with lines lc palette lw 5, "
-           << "$path using 1:2 every ::::0 with points pt 7 ps 1.5 lc '#20242b', "
-           << "$path using 1:2 every ::::0 with points pt 7 ps 0.9 lc '#ffffff'\n"
+           << "$start using 1:2 with points pt 7 ps 1.5 lc '#20242b', "
+           << "$start using 1:2 with points pt 7 ps 0.9 lc '#ffffff'\n"
            << std::string_view{reinterpret_cast<const char*>(relief.rgb.data()), relief.rgb.size()};
 }
 
@@ -198,17 +206,17 @@ void draw_force(Script& script, const Layout& layout, double first_t, double las
 
 void draw_picture(const OutputFile& file, const Ground& ground, const Trace& trace, const std::string& title,
                   const std::string& subtitle) {
-    const auto& points = trace.points();
-    const Region region = region_around(ground, points);
+    const auto& forces = trace.force.points();
+    const Region region = region_around(ground, trace.path.points());
     const Layout layout{region};
     const Raster relief = shaded_relief(ground, region, layout.map.width, layout.map.height);
     const Unit unit = unit_for(std::max(region.size().x, region.size().y));
-    const double force_end = round_up(std::ranges::max(points, {}, &TracePoint::force).force);
-    const double first_t = points.front().t, last_t = std::max(points.back().t, first_t + 1e-3);
-    const double update = (last_t - first_t) / static_cast<double>(points.size());
+    const double force_end = round_up(std::ranges::max(forces, {}, &TracePoint::force).force);
+    const double first_t = forces.front().t, last_t = std::max(forces.back().t, first_t + 1e-3);
+    const double update = (last_t - first_t) / static_cast<double>(forces.size());
 
     Script script;
-    define_data(script, points, unit.metres);
+    define_data(script, trace, unit.metres);
     begin_sheet(script, layout, title, subtitle);
     draw_map(script, layout, relief, region, unit, force_end);
     draw_force(script, layout, first_t, last_t + update, force_end);

@@ -1,0 +1,120 @@
+#ifndef HFH_TESTS_TOUCH_TERRAIN_FILES_HPP
+#define HFH_TESTS_TOUCH_TERRAIN_FILES_HPP
+
+#include <png.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+// Files for the demo's tests, written without any code of the demo.
+
+namespace touch_terrain_tests {
+
+namespace fs = std::filesystem;
+
+inline std::string contents(const fs::path& file) {
+    std::ifstream in{file, std::ios::binary};
+    return {std::istreambuf_iterator<char>{in}, {}};
+}
+
+/// What a run of the program left behind.
+struct Run {
+    int code = -1;
+    std::string out, err;
+};
+
+/// A folder of its own for one test, gone afterwards.
+class Folder {
+public:
+    Folder() {
+        std::string name = (fs::temp_directory_path() / "hfh-touch-terrain-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error{"no temporary folder"};
+        root_ = name;
+    }
+    ~Folder() {
+        std::error_code ignored;
+        fs::remove_all(root_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    [[nodiscard]] fs::path operator/(const std::string& name) const { return root_ / name; }
+
+    fs::path text(const std::string& name, const std::string& content) const {
+        std::ofstream{root_ / name, std::ios::binary} << content;
+        return root_ / name;
+    }
+    template <class S>
+    fs::path samples(const std::string& name, const std::vector<S>& values) const {
+        std::ofstream{root_ / name, std::ios::binary}.write(
+            reinterpret_cast<const char*>(values.data()),
+            static_cast<std::streamsize>(values.size() * sizeof(S)));
+        return root_ / name;
+    }
+
+    /// Every file and what it holds.
+    [[nodiscard]] std::map<std::string, std::string> listing() const {
+        std::map<std::string, std::string> files;
+        for (const auto& entry : fs::recursive_directory_iterator{root_}) {
+            files[entry.path().string()] = entry.is_regular_file() ? contents(entry.path()) : "";
+        }
+        return files;
+    }
+
+    /// Runs touch_terrain in the folder; `arguments` as for a shell, `before` stands in front of the command.
+    [[nodiscard]] Run run(const std::string& arguments, const std::string& before = "") const {
+        const Folder beside;
+        const std::string command = "cd '" + root_.string() + "' && " + before + " '" HFH_TOUCH_TERRAIN "' " +
+                                    arguments + " >'" + (beside / "out").string() + "' 2>'" +
+                                    (beside / "err").string() + "' </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(beside / "out"),
+                contents(beside / "err")};
+    }
+
+private:
+    fs::path root_;
+};
+
+/// Writes a PNG, `values` row by row, north first, channels together. Palette images have 8 bits and one colour.
+inline void write_png(const fs::path& file, int columns, int rows, int bits, int colour,
+                      const std::vector<int>& values, int interlace = PNG_INTERLACE_NONE) {
+    std::FILE* const out = std::fopen(file.c_str(), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, out);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(columns), static_cast<png_uint_32>(rows), bits, colour,
+                 interlace, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (colour == PNG_COLOR_TYPE_PALETTE) {
+        const png_color one{10, 20, 30};
+        png_set_PLTE(png, info, &one, 1);
+    }
+    std::vector<std::uint8_t> bytes;
+    for (const int value : values) {
+        if (bits == 16) bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+        bytes.push_back(static_cast<std::uint8_t>(value & 0xff));
+    }
+    std::vector<png_bytep> starts;
+    for (int j = 0; j < rows; ++j) {
+        starts.push_back(bytes.data() +
+                         bytes.size() / static_cast<std::size_t>(rows) * static_cast<std::size_t>(j));
+    }
+    png_set_rows(png, info, starts.data());
+    png_write_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
+    png_destroy_write_struct(&png, &info);
+    std::fclose(out);
+}
+
+} // namespace touch_terrain_tests
+
+#endif // HFH_TESTS_TOUCH_TERRAIN_FILES_HPP

@@ -1,0 +1,253 @@
+#include "catch.hpp"
+#include "touch_terrain_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+// The record, checked from outside: this file knows the format, Eq. (1) and section 3 of the design, and no code of
+// the library or the demo.
+
+using namespace touch_terrain_tests;
+
+namespace {
+
+constexpr double dx = 73.596, dy = 92.491;
+
+/// The bundled terrain through libpng's simplified interface: alpha in whole metres, row 0 north.
+class Peaks {
+public:
+    Peaks() {
+        png_image image{};
+        image.version = PNG_IMAGE_VERSION;
+        REQUIRE(png_image_begin_read_from_file(&image, HFH_SOURCE_DIR "/examples/data/spanish_peaks.png") !=
+                0);
+        image.format = PNG_FORMAT_LINEAR_RGB_ALPHA; // leaves alpha as it is
+        columns_ = image.width;
+        rows_ = image.height;
+        pixels_.resize(4 * columns_ * rows_);
+        REQUIRE(png_image_finish_read(&image, nullptr, pixels_.data(), 0, nullptr) != 0);
+    }
+    [[nodiscard]] double sample(std::size_t i, std::size_t j) const {
+        return pixels_[4 * ((rows_ - 1 - j) * columns_ + i) + 3];
+    }
+    /// Eq. (1) with the spacing kept.
+    [[nodiscard]] double height(double x, double y) const {
+        const double u = x / dx, v = y / dy;
+        const auto i = std::min(static_cast<std::size_t>(std::max(0.0, u)), columns_ - 2);
+        const auto j = std::min(static_cast<std::size_t>(std::max(0.0, v)), rows_ - 2);
+        const double s = u - static_cast<double>(i), t = v - static_cast<double>(j);
+        return std::lerp(std::lerp(sample(i, j), sample(i + 1, j), s),
+                         std::lerp(sample(i, j + 1), sample(i + 1, j + 1), s), t);
+    }
+
+private:
+    std::size_t columns_ = 0, rows_ = 0;
+    std::vector<png_uint_16> pixels_;
+};
+
+struct Row {
+    double t;
+    std::array<double, 3> stylus, proxy, normal, force;
+    bool contact;
+    int patches;
+    std::string status;
+};
+
+std::vector<Row> rows_of(const std::string& record) {
+    std::istringstream lines{record};
+    std::string line;
+    std::getline(lines, line);
+    CHECK(line == "t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status");
+    std::vector<Row> rows;
+    while (std::getline(lines, line)) {
+        std::istringstream fields{line};
+        std::array<double, 15> n{};
+        std::string field;
+        for (double& value : n) {
+            std::getline(fields, field, ',');
+            value = std::stod(field);
+        }
+        std::getline(fields, field);
+        rows.push_back({n[0],
+                        {n[1], n[2], n[3]},
+                        {n[5], n[6], n[7]},
+                        {n[8], n[9], n[10]},
+                        {n[11], n[12], n[13]},
+                        n[4] == 1,
+                        static_cast<int>(n[14]),
+                        field});
+    }
+    return rows;
+}
+
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/// How fast the distance from stylus to surface falls, at most, on the way from the proxy in any of 16 directions:
+/// metres per metre. Its second-order part is about step / depth, 1e-4 at a depth of 1 m.
+double steepest_descent(const Peaks& peaks, const Row& row) {
+    constexpr double step = 1e-4;
+    double steepest = 0;
+    for (int k = 0; k < 16; ++k) {
+        const double turn = 2 * 3.14159265358979 * k / 16;
+        const double x = row.proxy[0] + step * std::cos(turn), y = row.proxy[1] + step * std::sin(turn);
+        const double fall =
+            distance(row.proxy, row.stylus) - distance({x, y, peaks.height(x, y)}, row.stylus);
+        steepest = std::max(steepest, fall / step);
+    }
+    return steepest;
+}
+
+/// The path in a record: its first four columns.
+std::string path_in(const std::string& record) {
+    std::istringstream lines{record};
+    std::string line, path;
+    while (std::getline(lines, line)) {
+        std::size_t end = 0;
+        for (int k = 0; k < 4; ++k) end = line.find(',', end + 1);
+        path += line.substr(0, end) + "\n";
+    }
+    return path;
+}
+
+} // namespace
+
+TEST_CASE("touch_terrain: the record of the built-in stroke holds from outside", "[touch_terrain][law]") {
+    const Folder folder;
+    const bool in_float = GENERATE(false, true);
+    CAPTURE(in_float);
+    const Run run =
+        folder.run(std::string{"--stiffness 0.1 --record out.csv"} + (in_float ? " --float" : ""));
+    REQUIRE(run.code == 0);
+    CHECK(run.err.empty());
+
+    // World coordinates are up to 27 km: a rounding is 4e-12 m in double, 2e-3 m in float, and slopes are up to 1.3.
+    const double metres = in_float ? 1e-2 : 1e-10;
+    const Peaks peaks;
+    const auto rows = rows_of(contents(folder / "out.csv"));
+    REQUIRE(rows.size() == 20000);
+    std::size_t touching = 0;
+    double off_surface = 0, wrong_force = 0, largest_force = 0, buried = 0, descent = 0, backwards = 0,
+           not_unit = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const Row& row = rows[k];
+        if (k > 0) backwards = std::max(backwards, rows[k - 1].t - row.t);
+        CHECK(row.patches >= 1);
+        CHECK(row.contact == (row.status == "contact"));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            wrong_force =
+                std::max(wrong_force, std::abs(row.force[axis] - 0.1 * (row.proxy[axis] - row.stylus[axis])));
+        }
+        largest_force = std::max(largest_force, distance(row.force, {0, 0, 0}));
+        if (row.contact) {
+            ++touching;
+            off_surface =
+                std::max(off_surface, std::abs(row.proxy[2] - peaks.height(row.proxy[0], row.proxy[1])));
+            if (!in_float) descent = std::max(descent, steepest_descent(peaks, row));
+            not_unit = std::max(not_unit, std::abs(distance(row.normal, {0, 0, 0}) - 1));
+        } else {
+            buried = std::max(buried, peaks.height(row.stylus[0], row.stylus[1]) - row.stylus[2]);
+        }
+    }
+    CHECK(touching > 18000);
+    CHECK_FALSE(rows.front().contact);
+    CHECK_FALSE(rows.back().contact);
+    CHECK(largest_force > 1.0);
+    CHECK(largest_force < 3.3);
+    CHECK(backwards <= 0);
+    CHECK(off_surface <= metres);
+    CHECK(wrong_force <= 0.1 * metres);
+    CHECK(buried <= metres); // never free while below the surface
+    CHECK(descent <= 2e-4);  // no way further down from the proxy
+    CHECK(not_unit <= (in_float ? 1e-6 : 1e-14));
+}
+
+TEST_CASE("touch_terrain: a recorded path replayed gives the same record", "[touch_terrain]") {
+    const Folder folder;
+    REQUIRE(folder.run("--record first.csv").code == 0);
+    const std::string first = contents(folder / "first.csv");
+    folder.text("path.csv", path_in(first));
+    REQUIRE(folder.run("--path path.csv --record second.csv").code == 0);
+    CHECK((contents(folder / "second.csv") == first));
+
+    const fs::path bil = HFH_SHARED_DATA_DIR "/spanish_peaks.bil"; // the same heights from a mapped file
+    if (!fs::exists(bil)) return;
+    REQUIRE(
+        folder.run("'" HFH_SHARED_DATA_DIR "/spanish_peaks.bil' --path path.csv --record third.csv").code ==
+        0);
+    CHECK((contents(folder / "third.csv") == first));
+}
+
+TEST_CASE("touch_terrain: north is up and y, whatever the file", "[touch_terrain]") {
+    // One high sample in the north-west corner of 3 x 3, 10 m cells: at (0, 20).
+    const Folder folder;
+    folder.samples<std::uint8_t>("t.bil", {100, 0, 0, 0, 0, 0, 0, 0, 0});
+    folder.text("t.hdr", "NROWS 3\nNCOLS 3\n");
+    write_png(folder / "t.png", 3, 3, 8, PNG_COLOR_TYPE_GRAY, {100, 0, 0, 0, 0, 0, 0, 0, 0});
+    folder.text("p.csv", "t,x,y,z\r\n0,1,19,200\r\n0,1,19,75\r\n"); // 81 m there
+    for (const std::string file : {"t.bil", "t.png"}) {
+        REQUIRE(folder.run(file + " --spacing 10 --path p.csv --record out.csv").code == 0);
+        CHECK(rows_of(contents(folder / "out.csv")).back().contact);
+        REQUIRE(folder.run(file + " --spacing 10 --height-scale 0.9 --path p.csv --record out.csv").code ==
+                0);
+        CHECK_FALSE(rows_of(contents(folder / "out.csv")).back().contact);
+        REQUIRE(folder.run(file + " --spacing 10,20 --path p.csv --record out.csv").code == 0);
+        CHECK_FALSE(rows_of(contents(folder / "out.csv")).back().contact);
+    }
+}
+
+TEST_CASE("touch_terrain: prints its summary and keeps nothing beside the heights", "[touch_terrain]") {
+    const Folder folder;
+    const Run run = folder.run("");
+    CHECK(run.code == 0);
+    for (const char* const word :
+         {"spanish_peaks.png, 300 x 300", "73.596 x 92.491 m", "20,000", "in contact", "patches", "median",
+          "99.9 %", "worst", "largest force", "bytes kept beside the heights: 0"}) {
+        CAPTURE(word);
+        CHECK(run.out.find(word) != std::string::npos);
+    }
+    CHECK(folder.listing().empty());
+    CHECK(folder.run("--help").code == 0);
+}
+
+TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terrain]") {
+    const Folder folder;
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
+        WARN("gnuplot is not installed");
+        return;
+    }
+    const Run run = folder.run("--picture \"it's a picture.png\"");
+    CAPTURE(run.err);
+    REQUIRE(run.code == 0);
+    CHECK(folder.listing().size() == 1);
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    REQUIRE(png_image_begin_read_from_file(&image, (folder / "it's a picture.png").c_str()) != 0);
+    CHECK(image.width == 1400);
+    CHECK(image.height > 1000);
+    png_image_free(&image);
+}
+
+TEST_CASE("touch_terrain: draws a picture of every odd path and terrain", "[touch_terrain]") {
+    const Folder folder;
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
+        WARN("gnuplot is not installed");
+        return;
+    }
+    folder.samples<float>("t.bil", {0, 0, 0, 0});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nPIXELTYPE FLOAT\nNODATA 7\n");
+    folder.text("one.csv", "t,x,y,z\n5,0.5,0.5,1\n");
+    folder.text("off.csv", "t,x,y,z\n0,-1e6,1e300,1\n1,1e300,-3,-1\n");
+    for (const std::string arguments : {"", "--path one.csv", "--path off.csv", "--float --path off.csv",
+                                        "--spacing 1e-9", "--spacing 1e9,1"}) {
+        const Run run = folder.run("t.bil --picture out.png " + arguments);
+        CAPTURE(arguments, run.err);
+        CHECK(run.code == 0);
+        CHECK(fs::file_size(folder / "out.png") > 1000);
+    }
+    folder.samples<float>("t.bil", {7, 7, 7, 7}); // nothing but holes
+    CHECK(folder.run("t.bil --picture out.png").code == 0);
+}
