@@ -22,20 +22,19 @@ struct CellSpan {
 
 namespace detail {
 
-/// A coordinate as a cell number and the rest in metres, 0 ≤ rest < spacing.
+/// A coordinate as a cell number and the rest in metres: 0 ≤ rest < spacing, but for the rounding of the rest.
 struct Split {
     Index cell;
     double rest;
 };
 
 [[nodiscard]] inline Split split(double x, double origin, double spacing, double per_metre) noexcept {
-    // The product may round across the line, 49·(1/49) < 1; the rest tells.
-    const double number = std::floor((x - origin) * per_metre);
-    const double rest = (x - origin) - number * spacing;
+    // The product may round across a line, 49·(1/49) < 1; the lines themselves tell.
+    const double offset = x - origin, number = std::floor(offset * per_metre);
     const auto cell = static_cast<Index>(number);
-    if (rest >= spacing) return {cell + 1, rest - spacing};
-    if (rest >= 0) return {cell, rest};
-    return rest + spacing < spacing ? Split{cell - 1, rest + spacing} : Split{cell, 0.0};
+    if (offset < number * spacing) return {cell - 1, offset - (number - 1) * spacing};
+    if (offset >= (number + 1) * spacing) return {cell + 1, offset - (number + 1) * spacing};
+    return {cell, offset - number * spacing};
 }
 
 /// One axis of a walk: which cells it passes and when it crosses the line into the next.
@@ -174,7 +173,8 @@ void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2
     for (;;) {
         const double t_out = std::max(t, std::min(std::min(next_x, next_y), 1.0));
         const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
-        const glm::dvec2 out{cross_x ? x.leaving() : x.at(t_out), cross_y ? y.leaving() : y.at(t_out)};
+        const glm::dvec2 there = t_out == t ? in : glm::dvec2{x.at(t_out), y.at(t_out)};
+        const glm::dvec2 out{cross_x ? x.leaving() : there.x, cross_y ? y.leaving() : there.y};
         if (!visit_all({{x.cell, y.cell}, t, t_out, in, out})) return;
         if (!cross_x && !cross_y) return;
 
