@@ -87,7 +87,7 @@ Placement placement_of(const std::filesystem::path& file, GDALDatasetH dataset) 
 
 Terrain read_with_gdal(const std::filesystem::path& file) {
     GDALAllRegister();
-    CPLPushErrorHandler(CPLQuietErrorHandler);
+    CPLSetErrorHandler(CPLQuietErrorHandler);
     const Dataset dataset{GDALOpen(file.c_str(), GA_ReadOnly)};
     if (!dataset) throw BadInput{file.string() + " is not a terrain file that can be read" + complaint()};
 
