@@ -31,35 +31,49 @@ struct DescentResult {
 
 namespace detail {
 
-/// A step to a neighbouring cell across the border on which (u, v) lies.
+/// A surface point with its patch, and the query as its cell sees it.
+template <Real T>
+struct Foothold {
+    SurfacePoint<T> point{};
+    BilinearPatch<T> patch{};
+    CellPoint<T> query{};
+};
+
+/// A step to a neighbouring cell; {0, 0} stays.
 struct Neighbour {
     int di, dj;
 };
 
-/// The neighbours that share the point: one at an edge, three at a vertex, none inside. Returns how many.
-template <Real T>
-[[nodiscard]] int neighbours_at(T u, T v, Neighbour (&out)[3]) noexcept {
-    const int di = u <= 0 ? -1 : u >= 1 ? 1 : 0, dj = v <= 0 ? -1 : v >= 1 ? 1 : 0;
+/// The neighbours that share a point of a cell: one at an edge, three at a vertex (Figure 6 [P]), none inside.
+struct Neighbours {
+    Neighbour items[3];
     int count = 0;
-    if (di != 0) out[count++] = {di, 0};
-    if (dj != 0) out[count++] = {0, dj};
-    if (di != 0 && dj != 0) out[count++] = {di, dj};
-    return count;
-}
 
+    template <Real T>
+    Neighbours(T u, T v) noexcept {
+        const int di = u <= 0 ? -1 : u >= 1 ? 1 : 0, dj = v <= 0 ? -1 : v >= 1 ? 1 : 0;
+        if (di != 0) items[count++] = {di, 0};
+        if (dj != 0) items[count++] = {0, dj};
+        if (di != 0 && dj != 0) items[count++] = {di, dj};
+    }
+    [[nodiscard]] const Neighbour* begin() const noexcept { return items; }
+    [[nodiscard]] const Neighbour* end() const noexcept { return items + count; }
+};
+
+/// The same point of the surface, as the neighbour sees it.
 template <Real T>
-[[nodiscard]] SurfacePoint<T> seen_from(const SurfacePoint<T>& point, Neighbour n) noexcept {
+[[nodiscard]] SurfacePoint<T> seen_from(Neighbour n, const SurfacePoint<T>& point) noexcept {
     return {{point.cell.i + n.di, point.cell.j + n.dj},
             n.di == 0 ? point.u : T(n.di > 0 ? 0 : 1),
             n.dj == 0 ? point.v : T(n.dj > 0 ? 0 : 1)};
 }
 
-/// How steeply F falls from (u, v) into a patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
+/// How steeply F falls from a point into its patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
 /// and may move. 0 if F does not fall across the border by which `entry` comes in (no border, if it stays).
 template <Real T>
-[[nodiscard]] T descent_into(const BilinearPatch<T>& patch, const CellPoint<T>& query, T u, T v,
-                             Neighbour entry) noexcept {
-    const DistanceFunction<T> distance{patch, query};
+[[nodiscard]] T fall_into(const Foothold<T>& at, Neighbour entry) noexcept {
+    const DistanceFunction<T> distance{at.patch, at.query};
+    const T u = at.point.u, v = at.point.v;
     const auto f = distance(u, v);
     const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
     const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
@@ -68,15 +82,67 @@ template <Real T>
     return (falls_u ? f.fu * f.fu / f.fuu : T(0)) + (falls_v ? f.fv * f.fv / f.fvv : T(0));
 }
 
+/// What is around a point on the border of its patch.
+template <Real T>
+struct Surroundings {
+    Foothold<T> steepest{}; ///< the neighbour into which F falls most steeply, if `leads_down`
+    bool leads_down = false;
+    DescentStatus rim = DescentStatus::minimum; ///< off_…: a patch is missing on the side where the query is
+    int patches = 0;
+};
+
+/// Looks for a neighbour into which F falls more steeply than `fall`.
+template <HeightField Field, Real T>
+[[nodiscard]] Surroundings<T> look_around(const Field& field, const vec3<T>& query, const Foothold<T>& at,
+                                          T fall) noexcept {
+    Surroundings<T> around;
+    for (const Neighbour n : Neighbours{at.point.u, at.point.v}) {
+        Foothold<T> there{.point = seen_from(n, at.point)};
+        const auto patch = field.patch(there.point.cell);
+        ++around.patches;
+        if (!patch) {
+            const bool beyond_u = n.di == 0 || (n.di > 0 ? at.query.u > 1 : at.query.u < 0);
+            const bool beyond_v = n.dj == 0 || (n.dj > 0 ? at.query.v > 1 : at.query.v < 0);
+            if (beyond_u && beyond_v) {
+                around.rim = field.cells().contains(there.point.cell) ? DescentStatus::off_hole
+                                                                      : DescentStatus::off_border;
+            }
+            continue;
+        }
+        there.patch = *patch;
+        there.query = field.lattice().locate(query, there.point.cell);
+        if (const T fall_there = fall_into(there, n); fall_there > fall) {
+            fall = fall_there;
+            around.steepest = there;
+            around.leads_down = true;
+        }
+    }
+    return around;
+}
+
+/// Unit normal at a surface point, averaged over the patches that meet there (§4.3.3 [P]).
+template <HeightField Field, Real T>
+[[nodiscard]] vec3<T> averaged_normal(const Field& field, const Foothold<T>& at) noexcept {
+    vec3<T> normal = at.patch.normal(at.point.u, at.point.v);
+    const Neighbours neighbours{at.point.u, at.point.v};
+    if (neighbours.count == 0) return normal;
+    for (const Neighbour n : neighbours) {
+        const SurfacePoint<T> there = seen_from(n, at.point);
+        if (const auto patch = field.patch(there.cell)) normal += patch->normal(there.u, there.v);
+    }
+    return glm::normalize(normal);
+}
+
 } // namespace detail
 
 /// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates).
 ///
-/// On each patch Newton's method runs to the local minimum or to the border. At the border the proxy goes on in
-/// the patch in which the distance falls most steeply from that very point; if that is none of the neighbours, it
-/// slides along the border. The distance never rises. Ends where no patch at the point has a descent direction, and
-/// says so if it ends for another reason. Where a patch is missing the rim holds the point; with the query beyond
-/// that rim the point has slid off.
+/// On each patch Newton's method runs to the local minimum or to the border. At the border the point goes on in the
+/// patch in which the distance falls most steeply from that very point, its own included (each hop at one point goes
+/// to a steeper patch, so hops around a vertex come to an end); if that is its own, it slides along the border. The
+/// distance never rises. Ends where no patch at the point has a descent direction, and says so if it ends for
+/// another reason. Where a patch is missing the rim holds the point; with the query beyond that rim the point has
+/// slid off.
 ///
 /// Looks at no more than about max_patches patches. Does not throw, does not allocate.
 template <HeightField Field>
@@ -84,89 +150,42 @@ template <HeightField Field>
 descend(const Field& field, const vec3<typename Field::Scalar>& query,
         const SurfacePoint<typename Field::Scalar>& start, int max_patches) noexcept {
     using T = typename Field::Scalar;
-    const Lattice& lattice = field.lattice();
     DescentResult<T> result;
-    SurfacePoint<T>& at = result.point;
-    at = start;
-
-    auto patch = field.patch(at.cell);
+    const auto patch = field.patch(start.cell);
     ++result.patches;
     if (!patch) {
         result.status = DescentStatus::off_hole;
+        result.point = start;
         return result;
     }
-    auto local = lattice.locate(query, at.cell);
+
+    detail::Foothold<T> at{start, *patch, field.lattice().locate(query, start.cell)};
     NewtonOptions newton{.border = BorderRule::stop};
-    detail::Neighbour neighbours[3];
-    bool finished = false;
-    T gap = 0;
+    for (;;) {
+        const auto foot = newton_closest_point(at.patch, at.query, {at.point.u, at.point.v}, newton);
+        at.point.u = foot.u;
+        at.point.v = foot.v;
+        result.offset.z = foot.gap;
 
-    while (!finished) {
-        const auto foot = newton_closest_point(*patch, local, {at.u, at.v}, newton);
-        at.u = foot.u;
-        at.v = foot.v;
-        gap = foot.gap;
-
-        // The patch that leads down most steeply, this one included: each hop at one point goes to a steeper
-        // patch, so hops around a vertex come to an end.
-        T steepest = foot.status == NewtonStatus::at_border
-                         ? detail::descent_into(*patch, local, at.u, at.v, {0, 0})
-                         : T(0);
-        SurfacePoint<T> next{};
-        std::optional<BilinearPatch<T>> next_patch;
-        CellPoint<T> next_local{};
-        DescentStatus rim = DescentStatus::minimum;
-        const int count = detail::neighbours_at(at.u, at.v, neighbours);
-        for (int k = 0; k < count; ++k) {
-            const auto n = neighbours[k];
-            const SurfacePoint<T> there = detail::seen_from(at, n);
-            const auto candidate = field.patch(there.cell);
-            ++result.patches;
-            if (!candidate) {
-                const bool beyond_u = n.di == 0 || (n.di > 0 ? local.u > 1 : local.u < 0);
-                const bool beyond_v = n.dj == 0 || (n.dj > 0 ? local.v > 1 : local.v < 0);
-                if (beyond_u && beyond_v) {
-                    rim = field.cells().contains(there.cell) ? DescentStatus::off_hole
-                                                             : DescentStatus::off_border;
-                }
-                continue;
-            }
-            const auto seen = lattice.locate(query, there.cell);
-            const T fall = detail::descent_into(*candidate, seen, there.u, there.v, n);
-            if (fall > steepest) {
-                steepest = fall;
-                next = there;
-                next_patch = candidate;
-                next_local = seen;
-            }
-        }
-
-        if (next_patch) {
-            if (result.patches >= max_patches) {
-                result.status = DescentStatus::work_limit;
-                break;
-            }
-            at = next;
-            patch = next_patch;
-            local = next_local;
+        const bool held = foot.status == NewtonStatus::at_border;
+        const auto around =
+            detail::look_around(field, query, at, held ? detail::fall_into(at, {0, 0}) : T(0));
+        result.patches += around.patches;
+        if (around.leads_down && result.patches < max_patches) {
+            at = around.steepest;
             newton.border = BorderRule::stop;
-        } else if (foot.status == NewtonStatus::at_border) {
+        } else if (held && !around.leads_down) {
             newton.border = BorderRule::slide;
         } else {
-            result.status = foot.status == NewtonStatus::iteration_limit ? DescentStatus::work_limit : rim;
-            finished = true;
+            const bool cut_short = around.leads_down || foot.status == NewtonStatus::iteration_limit;
+            result.status = cut_short ? DescentStatus::work_limit : around.rim;
+            break;
         }
     }
-
-    const auto spacing = patch->spacing;
-    result.offset = {spacing.x * (at.u - local.u), spacing.y * (at.v - local.v), gap};
-    result.normal = patch->normal(at.u, at.v);
-    const int count = detail::neighbours_at(at.u, at.v, neighbours);
-    for (int k = 0; k < count; ++k) {
-        const SurfacePoint<T> there = detail::seen_from(at, neighbours[k]);
-        if (const auto beside = field.patch(there.cell)) result.normal += beside->normal(there.u, there.v);
-    }
-    if (count > 0) result.normal = glm::normalize(result.normal);
+    result.point = at.point;
+    result.offset.x = at.patch.spacing.x * (at.point.u - at.query.u);
+    result.offset.y = at.patch.spacing.y * (at.point.v - at.query.v);
+    result.normal = detail::averaged_normal(field, at);
     return result;
 }
 

@@ -19,6 +19,7 @@
 
 #include <hfh/closest_point.hpp>
 #include <hfh/descent.hpp>
+#include <hfh/global_closest_point.hpp>
 
 #include <hfh/contact.hpp>
 #include <hfh/force_evaluator.hpp>
