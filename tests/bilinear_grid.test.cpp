@@ -26,6 +26,8 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Heights that are a formula: no storage, no HeightView.
 struct Formula {
+    using SampleType = int;
+
     static constexpr Index columns() noexcept { return 5; }
     static constexpr Index rows() noexcept { return 4; }
     constexpr int operator()(Index i, Index j) const noexcept { return static_cast<int>(10 * i + j); }
