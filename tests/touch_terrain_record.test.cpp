@@ -209,6 +209,8 @@ TEST_CASE("touch_terrain: prints its summary and keeps nothing beside the height
         CAPTURE(word);
         CHECK(run.out.find(word) != std::string::npos);
     }
+    CHECK(folder.run("'" HFH_SOURCE_DIR "/examples/data/spanish_peaks.png'").out.find("73.596") !=
+          std::string::npos);
     CHECK(folder.listing().empty());
     CHECK(folder.run("--help").code == 0);
 }

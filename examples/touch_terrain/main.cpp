@@ -12,6 +12,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <optional>
 
 namespace demo {
@@ -21,7 +22,10 @@ constexpr const char* bundled_terrain = TOUCH_TERRAIN_BUNDLED;
 constexpr glm::dvec2 bundled_spacing{73.596, 92.491}; // examples/data/README.md
 
 hfh::GridFrame frame_for(const Options& options, const Terrain& terrain) {
-    const glm::dvec2 otherwise = options.terrain ? glm::dvec2{1.0} : bundled_spacing;
+    std::error_code none;
+    const bool bundled =
+        !options.terrain || std::filesystem::equivalent(*options.terrain, bundled_terrain, none);
+    const glm::dvec2 otherwise = bundled ? bundled_spacing : glm::dvec2{1.0};
     return {.spacing = options.spacing.value_or(terrain.spacing.value_or(otherwise)),
             .height_scale = options.height_scale};
 }
