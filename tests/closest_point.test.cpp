@@ -3,6 +3,8 @@
 
 #include <hfh/closest_point.hpp>
 
+#include <cstdlib>
+
 using namespace hfh;
 using namespace hfh::test;
 
@@ -26,11 +28,6 @@ struct Case {
     vec2<T> start;
 };
 
-std::string digits(double x) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", x);
-    return text;
-}
 template <Real T>
 std::string describe(const Case<T>& c) {
     std::string text = "corners";

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <string>
@@ -21,6 +22,18 @@
 namespace hfh::test {
 
 using Wide = long double;
+
+/// A number so that it reads back as itself.
+template <Real T>
+[[nodiscard]] std::string digits(T x) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*g", std::numeric_limits<T>::max_digits10, static_cast<double>(x));
+    return text;
+}
+template <Real T>
+[[nodiscard]] std::string digits(const vec3<T>& p) {
+    return digits(p.x) + ' ' + digits(p.y) + ' ' + digits(p.z);
+}
 
 struct Point {
     Wide x = 0, y = 0, z = 0;

@@ -1,0 +1,248 @@
+#ifndef HFH_TESTS_SUPPORT_WITNESS_HPP
+#define HFH_TESTS_SUPPORT_WITNESS_HPP
+
+#include "reference.hpp"
+
+#include <hfh/proxy_tracker.hpp>
+
+#include <string>
+
+// Watches a tracker from outside and says where it breaks its promises. Knows the terrain, the stylus and what update
+// returned; asks the library nothing.
+
+namespace hfh::test {
+
+template <Real T>
+class Witness {
+public:
+    using Grid = typename Terrain<T>::Grid;
+
+    explicit Witness(const Terrain<T>& terrain, const TrackerOptions& options = {})
+        : surface{terrain}, grid{terrain.grid()}, tracker{grid, options}, options_{options} {
+        for (const T height : terrain.heights) holes_ = holes_ || !std::isfinite(height);
+    }
+    Witness(const Witness&) = delete;
+    Witness& operator=(const Witness&) = delete;
+
+    const Surface<T> surface;
+    const Grid grid;
+    ProxyTracker<Grid> tracker;
+
+    int updates = 0, contacts = 0, most_patches = 0, faults = 0;
+    std::string first_fault; ///< with the two last positions and the proxy before, to be found again
+
+    /// An update of the tracker, judged.
+    Contact<T> update(const vec3<T>& stylus) {
+        const auto before = tracker.state();
+        const Contact<T> contact = tracker.update(stylus);
+        ++updates;
+        contacts += contact.touching();
+        most_patches = std::max(most_patches, contact.patches);
+        const std::string what = judge(stylus, contact);
+        if (!what.empty() && faults++ == 0) {
+            first_fault = what + ": update " + std::to_string(updates) + ", stylus " + digits(last_) +
+                          " -> " + digits(stylus) + ", " + to_string(contact.status) + ", proxy before " +
+                          (before.touching ? "cell " + std::to_string(before.proxy.cell.i) + ' ' +
+                                                 std::to_string(before.proxy.cell.j) + " at " +
+                                                 digits(before.proxy.u) + ' ' + digits(before.proxy.v)
+                                           : std::string{"none"}) +
+                          ", point now cell " + std::to_string(contact.point.cell.i) + ' ' +
+                          std::to_string(contact.point.cell.j) + " at " + digits(contact.point.u) + ' ' +
+                          digits(contact.point.v);
+        }
+        last_ = stylus;
+        was_touching_ = contact.touching();
+        return contact;
+    }
+
+    /// Both forget the stylus.
+    void reset() {
+        tracker.reset();
+        outside_ = false;
+        side_ = Side::none;
+    }
+
+private:
+    [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
+        const Wide eps = static_cast<Wide>(epsilon<T>);
+        const Point q = wide(stylus);
+        const auto under = surface.under(
+            q.x, q.y, Wide(1e-12L) * (1 + std::abs(surface.column_of(q.x)) + std::abs(surface.row_of(q.y))));
+        // Sides are decided in double whatever the scalar, from numbers that are exact: a few roundings.
+        const Wide tolerance =
+            under ? 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<double>)) : Wide(0);
+        const Wide above =
+            under ? q.z - surface.patch(under->i, under->j)->height(under->u, under->v) : Wide(0);
+        const bool solid = options_.surface == SurfaceKind::solid;
+        const bool was_outside = outside_;
+        const Side was_side = side_;
+        outside_ = under && ((was_outside && c.touching()) || above > tolerance ||
+                             (was_outside && above >= -tolerance));
+        side_ = !under ? Side::none : c.side;
+
+        if (!is_finite(c.proxy) || !is_finite(c.normal) || !is_finite(c.penetration) || !is_finite(c.depth)) {
+            return "not finite";
+        }
+        if (c.status == ContactStatus::bad_input) return "refused";
+        if (c.touching()) {
+            const WideSurfacePoint at = wide(c.point);
+            if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) return "proxy outside its cell";
+            if (!surface.patch(at.i, at.j)) return "proxy on no patch";
+            if (c.side == Side::none || (solid && c.side != Side::above)) return "felt from no side";
+            const Point proxy = surface.position(at), offset = proxy - q;
+            const Wide blur = surface.blur(at, q, eps) + surface.blur(at, proxy, eps) +
+                              eps * (std::abs(q.x) + std::abs(q.y) + surface.dx() + surface.dy());
+            if (length(wide(c.proxy) - proxy) > 16 * blur) return "proxy off the surface";
+            const Point n = surface.normal(at);
+            const Wide sign = c.side == Side::below ? Wide(-1) : Wide(1);
+            if (length(wide(c.normal) - Point{sign * n.x, sign * n.y, sign * n.z}) > 32 * eps)
+                return "wrong normal";
+            const Point penetration = wide(c.penetration);
+            if (c.depth > 0 && length(penetration - offset) > 16 * blur)
+                return "penetration is not proxy - stylus";
+            if (std::abs(length(penetration) - static_cast<Wide>(c.depth)) >
+                8 * eps * length(penetration) + std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()))) {
+                return "depth is not the length of penetration";
+            }
+            if (c.depth > 0 && sign * dot(offset, n) < -16 * blur) return "pulls towards the surface";
+            if (c.status == ContactStatus::contact) {
+                if (!(c.depth > 0) && length(offset) > 64 * blur) return "in contact without penetration";
+                const Wide fall = surface.template fall<T>(at, q);
+                if (fall > 64)
+                    return "a patch leads down: " + std::to_string(static_cast<double>(fall)) + " ulp-scales";
+            } else if (options_.max_patches >= TrackerOptions{}.max_patches) {
+                return "ran out of work";
+            }
+            return {};
+        }
+        if (c.proxy != stylus || c.penetration != vec3<T>{T(0)} || c.depth != 0 ||
+            c.normal != vec3<T>{0, 0, 1}) {
+            return "not touching, but something is felt";
+        }
+        switch (c.status) {
+        case ContactStatus::sweep_limit:
+            return options_.max_patches >= TrackerOptions{}.max_patches ? "ran out of work" : "";
+        case ContactStatus::free:
+            if (!under) return "free over nothing";
+            if (solid && above < -tolerance) return "free below the surface";
+            if (!solid && (c.side == Side::above ? above < -tolerance : above > tolerance))
+                return "on the other side";
+            if (!solid && was_side != Side::none && c.side != was_side && all_over_surface(q)) {
+                return "through the sheet";
+            }
+            return {};
+        case ContactStatus::buried:
+            if (!solid || !under || above > tolerance) return "buried, but not below the surface";
+            if (was_outside && all_over_surface(q)) return "buried after having been outside";
+            return {};
+        case ContactStatus::off_surface: return under && strictly_over(q) ? "off_surface over a patch" : "";
+        case ContactStatus::left_at_border:
+            return under && strictly_over(q) ? "slid off the border while over the surface" : "";
+        case ContactStatus::left_at_hole: return holes_ ? "" : "slid off a hole that is not there";
+        default: return "impossible status";
+        }
+    }
+    /// Over a patch and not on its rim.
+    [[nodiscard]] bool strictly_over(const Point& q) const {
+        const auto s = surface.under(q.x, q.y);
+        return s && surface.missing_at(*s) == 0 && s->u > 1e-9L && s->u < 1 - 1e-9L && s->v > 1e-9L &&
+               s->v < 1 - 1e-9L;
+    }
+
+    /// Whether the promise holds that a stylus outside does not get below unfelt: between the last position and this one
+    /// there was surface all the way. Among holes that holds while the stylus is free only, for the proxy goes its own
+    /// way.
+    [[nodiscard]] bool all_over_surface(const Point& to) const {
+        if (!holes_) return true;
+        if (was_touching_) return false;
+        const Point from = wide(last_);
+        for (int k = 0; k <= 1000; ++k) {
+            const Wide t = Wide(k) / 1000;
+            const auto s = surface.under(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
+            if (!s || surface.missing_at(*s) > 0) return false;
+        }
+        return true;
+    }
+
+    TrackerOptions options_;
+    bool holes_ = false;
+    bool was_touching_ = false;
+    vec3<T> last_{T(0)};
+    bool outside_ = false;   // has been above the surface, and over it ever since
+    Side side_ = Side::none; // sheet: the side it was on, over the surface
+};
+
+/// A hand that does all a hand can do: slides, presses, swipes, leaves the terrain and comes back.
+template <Real T>
+class Hand {
+public:
+    Hand(const Terrain<T>& terrain, std::uint64_t seed, double longest_swipe = 100)
+        : terrain_{&terrain}, surface_{terrain}, random_{seed}, longest_swipe_{longest_swipe} {
+        x_ = random_.between(0, columns());
+        y_ = random_.between(0, rows());
+    }
+
+    /// The next position.
+    [[nodiscard]] vec3<T> next() {
+        if (left_ == 0) choose();
+        --left_;
+        heading_ += random_.between(-0.3, 0.3);
+        double step = step_ * random_.unit();
+        if (mode_ == Mode::swipe) heading_ += random_.between(-1, 1);
+        x_ += step * std::cos(heading_);
+        y_ += step * std::sin(heading_);
+        if (mode_ != Mode::leave) {
+            if (x_ < 0 || x_ > columns()) heading_ = 3.14159265 - heading_;
+            if (y_ < 0 || y_ > rows()) heading_ = -heading_;
+            x_ = std::clamp(x_, 0.0, columns());
+            y_ = std::clamp(y_, 0.0, rows());
+        } else {
+            x_ = std::clamp(x_, -3.0, columns() + 3);
+            y_ = std::clamp(y_, -3.0, rows() + 3);
+        }
+        if (mode_ == Mode::press || mode_ == Mode::swipe) offset_ = deep_ * random_.between(-1, 0.5);
+        return here();
+    }
+
+private:
+    enum class Mode { slide, press, swipe, leave };
+
+    void choose() {
+        const auto n = random_.whole(0, 9);
+        mode_ = n < 5 ? Mode::slide : n < 8 ? Mode::press : n < 9 ? Mode::swipe : Mode::leave;
+        left_ = static_cast<int>(mode_ == Mode::swipe ? random_.whole(2, 8) : random_.whole(10, 60));
+        step_ = mode_ == Mode::swipe   ? longest_swipe_ * random_.unit()
+                : mode_ == Mode::press ? 0.05
+                : mode_ == Mode::leave ? 2.0
+                                       : 0.05 * std::pow(40, random_.unit());
+        deep_ = 0.01 * std::pow(500, random_.unit());
+        offset_ = random_.one_in(6) ? deep_ : -deep_;
+        heading_ = random_.between(0, 6.283185307);
+        if (mode_ == Mode::leave) { // off over the nearest border
+            heading_ = x_ < columns() - x_ ? 3.14159265 : 0.0;
+            left_ = 40;
+        }
+    }
+    [[nodiscard]] double columns() const { return static_cast<double>(terrain_->columns - 1); }
+    [[nodiscard]] double rows() const { return static_cast<double>(terrain_->rows - 1); }
+    [[nodiscard]] vec3<T> here() {
+        const auto& f = terrain_->frame;
+        const double x = f.origin.x + x_ * f.spacing.x, y = f.origin.y + y_ * f.spacing.y;
+        if (const auto z = surface_.height(static_cast<Wide>(x), static_cast<Wide>(y)))
+            ground_ = static_cast<double>(*z);
+        return {static_cast<T>(x), static_cast<T>(y), static_cast<T>(ground_ + offset_ * f.spacing.x)};
+    }
+
+    const Terrain<T>* terrain_;
+    Surface<T> surface_;
+    Random random_;
+    double longest_swipe_;
+    double x_ = 0, y_ = 0, heading_ = 0, step_ = 0, deep_ = 0, offset_ = 1,
+           ground_ = 0; // in cells; ground in metres
+    int left_ = 0;
+    Mode mode_ = Mode::slide;
+};
+
+} // namespace hfh::test
+
+#endif // HFH_TESTS_SUPPORT_WITNESS_HPP
