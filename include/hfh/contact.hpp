@@ -36,7 +36,8 @@ enum class ContactStatus : unsigned char {
     return "unknown";
 }
 
-/// Metres throughout. When not touching: proxy = stylus, normal = +z, penetration and depth are zero.
+/// Metres throughout. When not touching: proxy = stylus, normal = +z, penetration and depth are zero. After
+/// bad_input there is no stylus to speak of, and the proxy is zero too.
 template <Real T>
 struct Contact {
     ContactStatus status = ContactStatus::free;

@@ -167,6 +167,8 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
         at.point.v = foot.v;
         result.offset.z = foot.gap;
 
+        const bool inside = 0 < foot.u && foot.u < 1 && 0 < foot.v && foot.v < 1;
+        if (inside && foot.status == NewtonStatus::converged) break;
         const bool held = foot.status == NewtonStatus::at_border;
         const auto around =
             detail::look_around(field, query, at, held ? detail::fall_into(at, {0, 0}) : T(0));
