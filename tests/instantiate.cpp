@@ -1,0 +1,92 @@
+// Instantiates every template for every scalar and sample type, in a translation unit of its own: what is not inline
+// enough shows at link time, what only compiles when unused shows here. Compiled a second time without exceptions and
+// without RTTI.
+
+#include <hfh/hfh.hpp>
+
+#include <cstdint>
+
+namespace hfh {
+
+template struct BilinearPatch<float>;
+template struct BilinearPatch<double>;
+template struct CellPoint<float>;
+template struct CellPoint<double>;
+template struct SurfacePoint<float>;
+template struct SurfacePoint<double>;
+template struct Contact<float>;
+template struct Contact<double>;
+template struct ForceEvaluator<float>;
+template struct ForceEvaluator<double>;
+template struct NewtonResult<float>;
+template struct NewtonResult<double>;
+template struct DistanceFunction<float>;
+template struct DistanceFunction<double>;
+template struct DescentResult<float>;
+template struct DescentResult<double>;
+template struct FirstHit<float>;
+template struct FirstHit<double>;
+template struct TrackerState<float>;
+template struct TrackerState<double>;
+
+#define HFH_TEST_INSTANTIATE(S)                                                                              \
+    template class HeightView<S>;                                                                            \
+    template class HeightView<S, MissingValue<S>>;                                                           \
+    template class BilinearGrid<float, HeightView<S>>;                                                       \
+    template class BilinearGrid<double, HeightView<S>>;                                                      \
+    template class BilinearGrid<float, HeightView<S, MissingValue<S>>>;                                      \
+    template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
+    template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
+    template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
+    template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
+    template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;
+
+HFH_TEST_INSTANTIATE(std::uint8_t)
+HFH_TEST_INSTANTIATE(std::uint16_t)
+HFH_TEST_INSTANTIATE(std::int16_t)
+HFH_TEST_INSTANTIATE(std::int32_t)
+HFH_TEST_INSTANTIATE(float)
+HFH_TEST_INSTANTIATE(double)
+
+#undef HFH_TEST_INSTANTIATE
+
+namespace {
+
+/// Calls the function templates and what deduction guides are for.
+template <Real T, Sample S>
+[[maybe_unused]] bool use(const S* samples) {
+    const HeightView heights{samples, 4, 4};
+    const HeightView strided{samples, 2, 2, 2, 8};
+    const HeightView holed{samples, 4, 4, MissingValue{samples[0]}};
+    const BilinearGrid<T, HeightView<S>> grid{heights.flipped_rows(), {.spacing = {2, 3}}};
+    const BilinearGrid<T, decltype(holed)> holed_grid{holed, {}};
+    ProxyTracker tracker{grid};
+    ProxyTracker holed_tracker{holed_grid, {.surface = SurfaceKind::sheet}};
+    const ForceEvaluator<T> force{};
+    Index seen = strided.columns();
+    walk_cells(grid.lattice(), grid.cells(), {0, 0}, {3, 3}, [&](const CellSpan&) { return ++seen < 9; });
+    walk_candidates(grid, vec3<T>{0, 0, 0}, vec3<T>{3, 3, 0},
+                    [&](const CellSpan&, const BilinearPatch<T>&) { return ++seen < 9; });
+    const auto hit = first_hit(grid, {0, 0, 300}, {3, 3, -300});
+    const auto foot = newton_closest_point(BilinearPatch<T>{}, CellPoint<T>{}, vec2<T>{T(0)});
+    const auto nearest = global_closest_point(BilinearPatch<T>{}, CellPoint<T>{});
+    const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
+    const auto contact = tracker.update({T(1), T(1), T(300)});
+    return seen > 0 && hit.cells > 0 && foot.iterations + end.patches > 0 && nearest.u >= 0 &&
+           is_finite(force(contact).newtons) && holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&
+           to_string(contact.status) != nullptr;
+}
+
+} // namespace
+
+/// Called by nobody; refers to every instance.
+bool use_everything(const std::uint8_t* a, const std::uint16_t* b, const std::int16_t* c,
+                    const std::int32_t* d, const float* e, const double* f);
+bool use_everything(const std::uint8_t* a, const std::uint16_t* b, const std::int16_t* c,
+                    const std::int32_t* d, const float* e, const double* f) {
+    return use<float>(a) && use<double>(a) && use<float>(b) && use<double>(b) && use<float>(c) &&
+           use<double>(c) && use<float>(d) && use<double>(d) && use<float>(e) && use<double>(e) &&
+           use<float>(f) && use<double>(f);
+}
+
+} // namespace hfh

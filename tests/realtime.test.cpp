@@ -1,0 +1,187 @@
+#include "catch.hpp"
+#include "support/allocations.hpp"
+#include "support/scenes.hpp"
+#include "support/witness.hpp"
+
+#include <hfh/hfh.hpp>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+// What a haptic thread may rely on: no allocation, no exception, little memory.
+
+// Every allocation of the test program is counted: those of new everywhere; those of malloc where the C library lets its
+// own be called under another name, or where the address sanitizer tells.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HFH_TEST_ADDRESS_SANITIZER
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+#define HFH_TEST_ADDRESS_SANITIZER
+#endif
+
+namespace {
+
+thread_local std::size_t count = 0;
+
+} // namespace
+
+std::size_t hfh::test::allocations() noexcept { return count; }
+
+#if defined(HFH_TEST_ADDRESS_SANITIZER)
+
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
+                                                         void (*on_free)(const volatile void*));
+namespace {
+
+const int hooks = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++count; }, [](const volatile void*) {});
+
+} // namespace
+
+#elif defined(__GLIBC__)
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+
+void* malloc(std::size_t size) noexcept {
+    ++count;
+    return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) noexcept {
+    ++count;
+    return __libc_calloc(n, size);
+}
+void* realloc(void* block, std::size_t size) noexcept {
+    ++count;
+    return __libc_realloc(block, size);
+}
+}
+
+#else
+
+void* operator new(std::size_t size) {
+    ++count;
+    if (void* block = std::malloc(size)) return block;
+    throw std::bad_alloc{};
+}
+void operator delete(void* block) noexcept { std::free(block); }
+void operator delete(void* block, std::size_t) noexcept { std::free(block); }
+
+#endif
+
+using namespace hfh;
+using namespace hfh::test;
+
+TEST_CASE("allocations: the counter sees new, vectors and strings", "[realtime]") {
+    const auto before = allocations();
+    const auto number = std::make_unique<int>(1);
+    CHECK(allocations() > before);
+    const auto after_new = allocations();
+    const std::vector<double> numbers(100, 1.0);
+    const auto after_vector = allocations();
+    CHECK(after_vector > after_new);
+    const std::string text(200, 'x');
+    const auto after_string = allocations();
+    CHECK(after_string > after_vector);
+    CHECK(*number + static_cast<int>(numbers.size() + text.size()) == 301);
+}
+
+#if defined(HFH_TEST_ADDRESS_SANITIZER) || defined(__GLIBC__)
+TEST_CASE("allocations: the counter sees malloc", "[realtime]") {
+    const auto before = allocations();
+    void* volatile block = std::malloc(64);
+    const auto after = allocations();
+    std::free(block);
+    CHECK(after == before + 1);
+}
+#endif
+
+TEMPLATE_TEST_CASE("ProxyTracker: update and force allocate nothing, in any state", "[realtime]", float,
+                   double) {
+    using T = TestType;
+    const ForceEvaluator<T> force{.max_force = T(3.25)};
+    for (auto& scene : scenes<T>()) {
+        for (const bool holes : {false, true}) {
+            if (holes) punch_holes(scene.terrain, 24, 61);
+            const auto grid = scene.terrain.grid();
+            for (const auto surface : {SurfaceKind::solid, SurfaceKind::sheet}) {
+                ProxyTracker tracker{grid, {.surface = surface}};
+                Hand<T> hand{scene.terrain, 62};
+                std::vector<vec3<T>> path;
+                for (int n = 0; n < 2000; ++n) path.push_back(hand.next());
+                path.push_back(vec3<T>{std::numeric_limits<T>::quiet_NaN()});
+                vec3<T> sum{T(0)};
+                int touching = 0;
+                const auto before = allocations();
+                for (const auto& stylus : path) {
+                    const auto contact = tracker.update(stylus);
+                    touching += contact.touching();
+                    sum += force(contact).newtons;
+                }
+                const auto after = allocations();
+                CAPTURE(scene.name, sum.z);
+                CHECK(after == before);
+                CHECK(touching > 100);
+            }
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("hfh: nothing on the way of an update can throw", "[realtime]", float, double) {
+    using T = TestType;
+    using Grid = typename Terrain<T>::Grid;
+    using Tracker = ProxyTracker<Grid>;
+    // The arguments are not made here, for GLM does not mark its constructors.
+    static_assert(noexcept(std::declval<Tracker&>().update(std::declval<const vec3<T>&>())));
+    static_assert(noexcept(std::declval<Tracker&>().reset()));
+    static_assert(noexcept(std::declval<Tracker&>().restore(std::declval<const TrackerState<T>&>())));
+    static_assert(noexcept(std::declval<const Tracker&>().state()));
+    static_assert(noexcept(std::declval<const ForceEvaluator<T>&>()(std::declval<const Contact<T>&>())));
+    static_assert(noexcept(std::declval<const Grid&>().patch(std::declval<const Cell&>())));
+    static_assert(noexcept(
+        newton_closest_point(std::declval<const BilinearPatch<T>&>(), std::declval<const CellPoint<T>&>(),
+                             std::declval<const vec2<T>&>(), std::declval<const NewtonOptions&>())));
+    static_assert(noexcept(descend(std::declval<const Grid&>(), std::declval<const vec3<T>&>(),
+                                   std::declval<const SurfacePoint<T>&>(), 1)));
+    static_assert(
+        noexcept(first_hit(std::declval<const Grid&>(), std::declval<const glm::dvec3&>(),
+                           std::declval<const glm::dvec3&>(), std::declval<const FirstHitOptions&>())));
+    SUCCEED();
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: its state takes no more than 192 bytes, the rest three pointers",
+                   "[realtime]", float, double) {
+    using T = TestType;
+    using Tracker = ProxyTracker<typename Terrain<T>::Grid>;
+    static_assert(std::is_trivially_copyable_v<TrackerState<T>>);
+    static_assert(std::is_trivially_copyable_v<Tracker>);
+    CHECK(sizeof(TrackerState<T>) <= 192);
+    CHECK(sizeof(Tracker) <= sizeof(TrackerState<T>) + 3 * sizeof(void*));
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: its work is bounded by what it was allowed", "[realtime]", float, double) {
+    using T = TestType;
+    // The worst a hand can do to the roughest ground: from anywhere to anywhere, at any depth.
+    const auto ground = rough<T>(257, 257, 8, 63);
+    const auto grid = ground.grid();
+    for (const int limit : {64, 1024}) {
+        ProxyTracker tracker{grid, {.max_patches = limit}};
+        Random random{64};
+        int most = 0;
+        for (int n = 0; n < 5000; ++n) {
+            const auto contact = tracker.update({static_cast<T>(random.between(0, 256)),
+                                                 static_cast<T>(random.between(0, 256)),
+                                                 static_cast<T>(random.between(-20, 12))});
+            most = std::max(most, contact.patches);
+        }
+        CAPTURE(limit, most);
+        CHECK(most <= limit + 16); // those that meet at the last point are looked at together
+    }
+}
