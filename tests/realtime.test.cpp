@@ -26,7 +26,8 @@
 
 namespace {
 
-thread_local std::size_t count = 0;
+// Volatile, for compilers know that an allocation changes nothing that a program could see.
+thread_local volatile std::size_t count = 0;
 
 } // namespace
 
@@ -39,7 +40,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const
 namespace {
 
 const int hooks = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t) { ++count; }, [](const volatile void*) {});
+    [](const volatile void*, std::size_t) { count = count + 1; }, [](const volatile void*) {});
 
 } // namespace
 
@@ -51,15 +52,15 @@ void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
 
 void* malloc(std::size_t size) noexcept {
-    ++count;
+    count = count + 1;
     return __libc_malloc(size);
 }
 void* calloc(std::size_t n, std::size_t size) noexcept {
-    ++count;
+    count = count + 1;
     return __libc_calloc(n, size);
 }
 void* realloc(void* block, std::size_t size) noexcept {
-    ++count;
+    count = count + 1;
     return __libc_realloc(block, size);
 }
 }
@@ -67,7 +68,7 @@ void* realloc(void* block, std::size_t size) noexcept {
 #else
 
 void* operator new(std::size_t size) {
-    ++count;
+    count = count + 1;
     if (void* block = std::malloc(size)) return block;
     throw std::bad_alloc{};
 }
