@@ -113,11 +113,10 @@ TEMPLATE_TEST_CASE("bilinear_grid: heights round once from the sample and once f
     for (Index j = 0; j < 9; ++j) {
         for (Index i = 0; i < 9; ++i) {
             const long double scaled = 0.1L * samples[static_cast<std::size_t>(i + 10 * j)];
-            const auto error =
-                std::abs(static_cast<long double>(grid.patch({i, j})->p00) - (scaled - 431.7L));
+            const auto found = static_cast<long double>(grid.patch({i, j})->p00);
             // Rounded to T: the scale and the product, the offset, the sum.
-            CHECK(static_cast<double>(error) <=
-                  static_cast<double>(hfh::epsilon<T>) * (1.5 * (scaled + 432) + 1e-9));
+            const auto bound = 1.5L * static_cast<long double>(hfh::epsilon<T>) * (scaled + 432);
+            CHECK(std::abs(found - (scaled - 431.7L)) <= bound);
         }
     }
 }
@@ -152,9 +151,35 @@ TEST_CASE("bilinear_grid: a frame that only a double can hold is bad for float",
     CHECK(status_of<double>({{0, 0}, {1e60, 1e60}}) == GridStatus::ok);
     CHECK(status_of<float>({{0, 0}, {1e60, 1e60}}) == GridStatus::bad_spacing);
     CHECK(status_of<float>({{0, 0}, {1e-60, 1}}) == GridStatus::bad_spacing);
+    CHECK(status_of<double>({{0, 0}, {1e-18, 1e-18}}) == GridStatus::ok);
+    CHECK(status_of<float>({{0, 0}, {1e-18, 1e-18}}) == GridStatus::bad_spacing); // (dx·dy)² is 0
+    CHECK(status_of<float>({{0, 0}, {1e12, 1e12}}) == GridStatus::bad_spacing);   // and infinite
     CHECK(status_of<double>({{0, 0}, {1, 1}, 1e60}) == GridStatus::ok);
     CHECK(status_of<float>({{0, 0}, {1, 1}, 1e60}) == GridStatus::bad_height_scale);
     CHECK(status_of<float>({{0, 0}, {1, 1}, 1, 1e60}) == GridStatus::bad_height_scale);
+    CHECK(status_of<float>({{0, 0}, {1, 1}, 1e36}) == GridStatus::ok);
+    CHECK(status_of<float>({{0, 0}, {1, 1}, 1e37}) == GridStatus::bad_height_scale); // times 255
+}
+
+TEMPLATE_TEST_CASE("bilinear_grid: what it takes for a spacing gives upright normals of unit length",
+                   "[grid][hard]", float, double) {
+    using T = TestType;
+    const std::array<T, 4> samples{};
+    int taken = 0, refused = 0;
+    for (int x = -160; x <= 160; x += 4) {
+        for (int y = -160; y <= 160; y += 4) {
+            const glm::dvec2 spacing{std::exp2(x), std::exp2(y)};
+            const BilinearGrid<T, HeightView<T>> grid{HeightView{samples.data(), 2, 2}, {{0, 0}, spacing}};
+            if (grid.status() != GridStatus::ok) {
+                ++refused;
+                continue;
+            }
+            ++taken;
+            CHECK(grid.patch({0, 0})->normal(T(0.5), T(0.5)) == hfh::vec3<T>{0, 0, 1});
+        }
+    }
+    CHECK(taken > 1000);
+    CHECK((refused > 1000) == std::is_same_v<T, float>);
 }
 
 TEMPLATE_TEST_CASE("bilinear_grid: a missing sample takes the patches around it and no other", "[grid]",

@@ -24,7 +24,7 @@ struct GridFrame {
 enum class GridStatus : unsigned char {
     ok,
     too_few_samples, ///< fewer than 2 columns or 2 rows
-    bad_spacing, ///< spacing not finite, not > 0, or so small that 1/spacing overflows; or origin not finite
+    bad_spacing, ///< spacing not finite, not > 0, or (dx·dy)² or 1/spacing out of range; or origin not finite
     bad_height_scale ///< height scale or offset not finite, or too large for the range of an integer sample
 };
 
@@ -43,8 +43,7 @@ public:
                                                                  static_cast<T>(frame.height_offset)} {
         if (heights.columns() < 2 || heights.rows() < 2) {
             status_ = GridStatus::too_few_samples;
-        } else if (!lattice_.valid() || !is_finite(spacing_.x * spacing_.y) ||
-                   !(spacing_.x * spacing_.y > 0)) {
+        } else if (!lattice_.valid() || !squares_in_range(spacing_.x * spacing_.y)) {
             status_ = GridStatus::bad_spacing;
         } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !integers_stay_finite()) {
             status_ = GridStatus::bad_height_scale;
@@ -87,6 +86,11 @@ private:
         using Limits = std::numeric_limits<SampleType>;
         return std::is_floating_point_v<SampleType> ||
                (is_finite(metres(Limits::lowest())) && is_finite(metres(Limits::max())));
+    }
+
+    /// A normal is computed as a vector no shorter than dx·dy; its square must be a number.
+    [[nodiscard]] static constexpr bool squares_in_range(T area) noexcept {
+        return area > 0 && area * area >= std::numeric_limits<T>::min() && is_finite(area * area);
     }
 
     template <Sample S>
