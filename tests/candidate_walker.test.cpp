@@ -277,7 +277,7 @@ TEST_CASE("candidate_walker: segments that begin or end on the border or only to
         const std::array<std::int64_t, 2> x{first.i * check.whole.step[0], last.i * check.whole.step[0]};
         const std::array<std::int64_t, 2> y{first.j * check.whole.step[1], last.j * check.whole.step[1]};
         for (int n = 0; n < 300; ++n) {
-            const std::size_t side = n % 2, other = n / 2 % 2;
+            const auto side = static_cast<std::size_t>(n % 2), other = static_cast<std::size_t>(n / 2 % 2);
             const WholePoint p = somewhere(random, check), q = somewhere(random, check);
             check({x[side], p[1]}, q);
             check({p[0], y[side]}, q);
@@ -366,8 +366,11 @@ TEST_CASE("candidate_walker: on numbers that are not exact it errs by less than 
         const auto meets = [&](Cell c, Exact margin) {
             Exact t_in = 0, t_out = 1;
             for (int axis = 0; axis < 2; ++axis) {
-                const Exact o = axis == 0 ? origin.x : origin.y, s = axis == 0 ? spacing.x : spacing.y;
-                const Exact from = ((axis == 0 ? a.x : a.y) - o) / s, to = ((axis == 0 ? b.x : b.y) - o) / s;
+                const auto along = [&](const glm::dvec2& p) {
+                    return static_cast<Exact>(axis == 0 ? p.x : p.y);
+                };
+                const Exact from = (along(a) - along(origin)) / along(spacing);
+                const Exact to = (along(b) - along(origin)) / along(spacing);
                 const auto line = static_cast<Exact>(axis == 0 ? c.i : c.j);
                 const Exact low = line - margin, high = line + 1 + margin;
                 if (from == to) {
@@ -411,6 +414,27 @@ TEST_CASE("candidate_walker: lines computed as origin plus a multiple of the spa
             CHECK(spans[0].cell == Cell{n - 1, 0});
             CHECK(spans[1].cell == Cell{n, 0});
         }
+    }
+}
+
+TEST_CASE("candidate_walker: a segment that ends on the border is inside to its end",
+          "[walker][regression]") {
+    // From 0.3 and the like the last crossing was found at 1 − 2⁻⁵³, and the end of the segment off the grid.
+    Random random{50};
+    const Lattice lattice{{-30, 12.5}, {10, 2.5}};
+    const CellRange range{{0, 0}, {7, 6}};
+    for (int n = 0; n < 20'000; ++n) {
+        const glm::dvec2 a{random.between(-30, 40), random.between(12.5, 27.5)};
+        const double x = n % 2 == 0 ? 40 : -30, y = n % 3 == 0   ? 27.5
+                                                    : n % 3 == 1 ? 12.5
+                                                                 : random.between(12.5, 27.5);
+        const auto spans = walked(lattice, range, a, {x, y});
+        REQUIRE_FALSE(spans.empty());
+        REQUIRE(spans.back().t_out == 1);
+        REQUIRE(spans.back().out.x == (n % 2 == 0 ? 1 : 0));
+        const auto in = walked(lattice, range, {x, y}, a);
+        REQUIRE(in.front().t_in == 0);
+        REQUIRE(in.front().in.x == (n % 2 == 0 ? 1 : 0));
     }
 }
 

@@ -50,6 +50,7 @@ struct AxisWalk {
     double a, d;       ///< start and displacement, in metres from line `base`
     double start, end; ///< a and b in cells from lines `first` and `last`
     bool on_line;      ///< the whole segment lies on the line between `cell − 1` and `cell`
+    Index end_line;    ///< the grid line that b is on, if any
 
     AxisWalk(double from, double to, double origin, double dx, double cells_per_metre) noexcept
         : spacing{dx}, per_metre{cells_per_metre} {
@@ -62,6 +63,7 @@ struct AxisWalk {
         d = to - from;
         step = d > 0 ? 1 : d < 0 ? -1 : 0;
         on_line = step == 0 && a == 0;
+        end_line = goal.rest == 0 ? goal.cell : std::numeric_limits<Index>::max();
         // Cells are closed: a segment that leaves a line touches the cell behind it, and one that ends on a line
         // touches the cell beyond it.
         if (step > 0 && a == 0) --cell, start = 1;
@@ -76,6 +78,7 @@ struct AxisWalk {
     }
     /// When the segment is on grid line i. Precondition: step ≠ 0.
     [[nodiscard]] double time_at(Index i) const noexcept {
+        if (i == end_line) return 1; // to the bit, also where a and d are rounded
         return std::clamp((static_cast<double>(i - base) * spacing - a) / d, 0.0, 1.0);
     }
     /// When the segment enters the next cell.
