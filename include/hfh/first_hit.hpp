@@ -40,6 +40,8 @@ struct FirstHitOptions {
     /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
+    /// The search stops before the next cell, but not before it has left a, where up to four cells meet: so that
+    /// going on from `t` with `side` gets on, and comes to the same end as one search.
     Index max_cells = std::numeric_limits<Index>::max();
 };
 
@@ -65,9 +67,9 @@ namespace detail {
 /// come out first. Sheet: the first point at which it changes sides. Each patch is exact (one quadratic); the walk
 /// and the quadratics are computed in double for either scalar. Where there is no patch there is no side: behind
 /// a hole, or on entering from outside, the side is decided afresh. A segment that begins on a solid's surface and
-/// goes down hits at t = 0.
+/// goes down hits at t = 0; one that begins on a sheet is on the side to which it goes.
 ///
-/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max_cells.
+/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max(max_cells, 4).
 template <HeightField Field>
 [[nodiscard]] FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a,
                                                          const glm::dvec3& b,
@@ -80,16 +82,18 @@ template <HeightField Field>
     double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
 
     walk_cells(field.lattice(), field.cells(), {a.x, a.y}, {b.x, b.y}, [&](const CellSpan& span) {
-        if (result.cells == options.max_cells) {
+        if (span.t_in > covered_to) side = Side::none;
+        // Along a grid line the cell before this one may have settled part of the span, or all of it.
+        const double searched_to = std::max(span.t_in, covered_to);
+        if (result.cells >= options.max_cells && 0 < searched_to && searched_to < 1) {
             result.status = HitStatus::cell_limit;
-            result.t = span.t_in;
+            result.t = searched_to;
             return false;
         }
         ++result.cells;
         const auto found = field.patch(span.cell);
         if (!found) return true;
         const auto& p = *found;
-        if (span.t_in > covered_to) side = Side::none;
         covered_to = std::max(covered_to, span.t_out);
 
         const double z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
@@ -111,7 +115,16 @@ template <HeightField Field>
         const double f1 = z_out - patch.height(span.out.x, span.out.y);
         carried_at = span.t_out;
         carried_f = f1;
-        if (side == Side::none) side = f0 > 0 || (f0 == 0 && (!sheet || f1 >= 0)) ? Side::above : Side::below;
+        if (side == Side::none) {
+            double way = f0;
+            if (sheet && f0 == 0) { // on the sheet: where it goes from there
+                const glm::dvec2 step = span.out - span.in;
+                const double bend = -patch.twist() * step.x * step.y;
+                way = f1 != bend ? f1 - bend : bend;
+                if (way == 0) return true; // along the sheet, or over this cell at one point only
+            }
+            side = way >= 0 ? Side::above : Side::below;
+        }
 
         for (;;) {
             const double sign = side == Side::above ? 1 : -1;
@@ -131,7 +144,14 @@ template <HeightField Field>
             f0 = 0;
         }
     });
-    result.side = result.status == HitStatus::miss && covered_to < 1 ? Side::none : side;
+    if (result.status == HitStatus::miss) {
+        if (covered_to < 1) {
+            side = Side::none;
+        } else if (side == Side::none) {
+            side = Side::above; // along a sheet from a to b
+        }
+    }
+    result.side = side;
     return result;
 }
 
