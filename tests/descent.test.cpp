@@ -334,7 +334,7 @@ TEMPLATE_TEST_CASE("descend: with its work limited it stops early, no farther, a
         int calls = 0;
         for (; calls < 1000; ++calls) {
             const auto end = descend(grid, query, at, limit);
-            CHECK(end.patches <= limit + 4); // those that meet at the point are looked at together
+            CHECK(end.patches <= limit + 8); // those that meet at a point are looked at together
             const Wide now = surface.half_square(wide(end.point), wide(query));
             CHECK(now <= last * (1 + 16 * static_cast<Wide>(epsilon<T>)));
             last = now;

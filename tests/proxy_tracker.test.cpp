@@ -81,7 +81,7 @@ void check_hand(const char* name, const Terrain<T>& ground, const TrackerOptions
               << witness.updates);
     CHECK(witness.first_fault == "");
     CHECK(witness.faults == 0);
-    CHECK(witness.contacts * 5 > witness.updates);
+    CHECK(witness.contacts * 10 > witness.updates);
     if (std::getenv("HFH_TEST_FIGURES")) {
         WARN(name << ": patches at most " << witness.most_patches << ", contacts " << witness.contacts
                   << " of " << witness.updates);

@@ -100,17 +100,25 @@ struct Slopes {
 }
 
 /// The steepest descent from (u, v) into the closed patch, along u or along v (a patch's tangent cone is spanned by
-/// these, so if neither falls nothing does), in units of the ulp-scale of T. Not positive: none.
+/// these, so if neither falls nothing does), in units of `unit`. Not positive: none.
+struct Unit {
+    Wide u = 0, v = 0;
+};
+[[nodiscard]] inline Wide fall_into(const WidePatch& p, Wide u, Wide v, const Point& q, const Unit& unit) {
+    const Slopes s = slopes(p, u, v, q);
+    Wide fall = 0;
+    if (u < 1) fall = std::max(fall, -s.fu / unit.u);
+    if (u > 0) fall = std::max(fall, s.fu / unit.u);
+    if (v < 1) fall = std::max(fall, -s.fv / unit.v);
+    if (v > 0) fall = std::max(fall, s.fv / unit.v);
+    return fall;
+}
+/// In ulp-scales of T.
 template <Real T>
 [[nodiscard]] Wide fall_into(const WidePatch& p, Wide u, Wide v, const Point& q) {
     const Slopes s = slopes(p, u, v, q);
     const Wide e = static_cast<Wide>(epsilon<T>);
-    Wide fall = 0;
-    if (u < 1) fall = std::max(fall, -s.fu / (e * s.scale_u));
-    if (u > 0) fall = std::max(fall, s.fu / (e * s.scale_u));
-    if (v < 1) fall = std::max(fall, -s.fv / (e * s.scale_v));
-    if (v > 0) fall = std::max(fall, s.fv / (e * s.scale_v));
-    return fall;
+    return fall_into(p, u, v, q, {e * s.scale_u, e * s.scale_v});
 }
 
 struct Foot {
@@ -262,12 +270,23 @@ public:
         const int cells = (s.u <= 0 || s.u >= 1 ? 2 : 1) * (s.v <= 0 || s.v >= 1 ? 2 : 1);
         return cells - there;
     }
-    /// The steepest descent towards q from s into any patch that meets there, in ulp-scales of T.
+    /// The steepest descent towards q from s into any patch that meets there, in ulp-scales of T: of all the patches
+    /// that meet there together, for each sees the same edge; and a position is told from its grid line in double,
+    /// where one rounding of its distance from the origin counts.
     template <Real T>
     [[nodiscard]] Wide fall(const WideSurfacePoint& s, const Point& q) const {
+        const Wide e = static_cast<Wide>(epsilon<T>), e_double = static_cast<Wide>(epsilon<double>);
+        Unit unit;
+        each_patch_at(s, [&](const WidePatch& p, Wide u, Wide v, Index i, Index j) {
+            const Slopes k = slopes(p, u, v, seen_from(q, i, j));
+            unit.u =
+                std::max(unit.u, e * k.scale_u + e_double * dx() * dx() * std::abs(static_cast<Wide>(i)));
+            unit.v =
+                std::max(unit.v, e * k.scale_v + e_double * dy() * dy() * std::abs(static_cast<Wide>(j)));
+        });
         Wide steepest = 0;
         each_patch_at(s, [&](const WidePatch& p, Wide u, Wide v, Index i, Index j) {
-            steepest = std::max(steepest, fall_into<T>(p, u, v, seen_from(q, i, j)));
+            steepest = std::max(steepest, fall_into(p, u, v, seen_from(q, i, j), unit));
         });
         return steepest;
     }

@@ -104,7 +104,10 @@ private:
                 8 * eps * length(penetration) + std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()))) {
                 return "depth is not the length of penetration";
             }
-            if (c.depth > 0 && sign * dot(offset, n) < -16 * blur) return "pulls towards the surface";
+            // At a vertex among patches of very different slopes the averaged normal may be wrong about inside and
+            // outside. The way from the proxy to the stylus tells: it goes in at once.
+            if (c.depth > 0 && sign * dot(offset, n) < -16 * blur && !goes_in(proxy, q, sign))
+                return "pulls towards the surface";
             if (c.status == ContactStatus::contact) {
                 if (!(c.depth > 0) && length(offset) > 64 * blur) return "in contact without penetration";
                 const Wide fall = surface.template fall<T>(at, q);
@@ -141,6 +144,18 @@ private:
         case ContactStatus::left_at_hole: return holes_ ? "" : "slid off a hole that is not there";
         default: return "impossible status";
         }
+    }
+    /// Whether the segment from the proxy leads below the surface (sign 1; above it: −1) over its first hundredth of a
+    /// cell.
+    [[nodiscard]] bool goes_in(const Point& proxy, const Point& to, Wide sign) const {
+        const Wide cells =
+            std::max(std::abs(to.x - proxy.x) / surface.dx(), std::abs(to.y - proxy.y) / surface.dy());
+        for (const Wide part : {0.01L, 0.003L, 0.001L}) {
+            const Wide t = std::min(part / std::max(cells, Wide(1e-9L)), part);
+            const auto z = surface.height(proxy.x + t * (to.x - proxy.x), proxy.y + t * (to.y - proxy.y));
+            if (!z || sign * (proxy.z + t * (to.z - proxy.z) - *z) >= 0) return false;
+        }
+        return true;
     }
     /// Over a patch and not on its rim.
     [[nodiscard]] bool strictly_over(const Point& q) const {
