@@ -190,10 +190,15 @@ TEMPLATE_TEST_CASE("bilinear_grid: a missing sample takes the patches around it 
             auto terrain = hfh::test::rough<T>(6, 5, 3, 31);
             terrain.remove(hole_i, hole_j);
             const auto grid = terrain.grid();
+            std::array<std::int16_t, 6 * 5> samples{};
+            samples[static_cast<std::size_t>(hole_i + 6 * hole_j)] = -9999;
+            const HeightView view{samples.data(), 6, 5, MissingValue{-9999}};
+            const BilinearGrid<T, std::remove_const_t<decltype(view)>> valued{view, {}};
             for (Index j = 0; j < 4; ++j) {
                 for (Index i = 0; i < 5; ++i) {
                     const bool touches = (hole_i == i || hole_i == i + 1) && (hole_j == j || hole_j == j + 1);
                     CHECK(grid.patch({i, j}).has_value() == !touches);
+                    CHECK(valued.patch({i, j}).has_value() == !touches);
                 }
             }
         }
