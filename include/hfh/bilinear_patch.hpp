@@ -52,9 +52,9 @@ struct BilinearPatch {
 
     /// Unit normal S_u × S_v / |S_u × S_v|; its z is never negative.
     [[nodiscard]] vec3<T> normal(T u, T v) const noexcept {
-        const T x = slope_u(v) * spacing.y, y = slope_v(u) * spacing.x, z = spacing.x * spacing.y;
-        const T scale = T(1) / std::sqrt(x * x + y * y + z * z);
-        return {-x * scale, -y * scale, z * scale};
+        const T x = slope_u(v) / spacing.x, y = slope_v(u) / spacing.y;
+        const T scale = T(1) / std::sqrt(T(1) + x * x + y * y);
+        return {-x * scale, -y * scale, scale};
     }
 
     [[nodiscard]] constexpr T lowest() const noexcept {

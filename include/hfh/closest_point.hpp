@@ -22,7 +22,7 @@ enum class NewtonStatus : unsigned char {
 /// What to do where the descent leads out of the patch.
 enum class BorderRule : unsigned char {
     slide, ///< go on along the border: ends at the bounded closest point
-    stop   ///< return at once, so that the caller can look at the neighbour
+    stop   ///< return after the step that led there, so that the caller can look at the neighbour
 };
 
 struct NewtonOptions {
@@ -47,24 +47,31 @@ struct NewtonResult {
 /// in m² per cell and m² per cell². `query` is given in the patch's parameters, z in metres.
 template <Real T>
 struct DistanceFunction {
-    BilinearPatch<T> gap; ///< the patch seen from the query's height: corners − query.z
+    T gap00;          ///< σ_z over corner 00
+    T rise_u, rise_v; ///< slopes along u and v at that corner, metres per cell
+    T twist;          ///< Eq. (2)
+    T dx2, dy2;       ///< dx², dy²
     T query_u, query_v;
     T noise_u, noise_v; ///< resolution of F_u and F_v: no descent smaller than this is believed
 
     DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
-        : gap{patch.p00 - query.z, patch.p10 - query.z, patch.p01 - query.z, patch.p11 - query.z,
-              patch.spacing},
-          query_u{query.u}, query_v{query.v} {
-        // F_u = dx²(u − u_q) + σ_z·z_u. The product is good to a few roundings of the largest corner times the
-        // larger of the two edge slopes; and u itself has steps of an ulp, each worth F_uu. Where the patch is
-        // level along u there is neither: u = u_q is met to the bit.
-        const T reach = std::max(std::abs(gap.highest()), std::abs(gap.lowest()));
-        const T rise_u = std::max(std::abs(gap.p10 - gap.p00), std::abs(gap.p11 - gap.p01));
-        const T rise_v = std::max(std::abs(gap.p01 - gap.p00), std::abs(gap.p11 - gap.p10));
-        const T dx2 = gap.spacing.x * gap.spacing.x, dy2 = gap.spacing.y * gap.spacing.y;
-        noise_u = rise_u > 0 ? 4 * epsilon<T> * (dx2 + rise_u * (rise_u + reach)) : T(0);
-        noise_v = rise_v > 0 ? 4 * epsilon<T> * (dy2 + rise_v * (rise_v + reach)) : T(0);
+        : gap00{patch.p00 - query.z}, rise_u{patch.p10 - patch.p00}, rise_v{patch.p01 - patch.p00},
+          twist{patch.twist()}, dx2{patch.spacing.x * patch.spacing.x},
+          dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u}, query_v{query.v} {
+        // F_u = dx²(u − u_q) + σ_z·z_u. The product is good to a few roundings of the largest σ_z times the larger of
+        // the two edge slopes; and u itself has steps of an ulp, each worth F_uu. Where the patch is level along u
+        // there is neither: u = u_q is met to the bit.
+        const T steepest_u = std::max(std::abs(rise_u), std::abs(rise_u + twist));
+        const T steepest_v = std::max(std::abs(rise_v), std::abs(rise_v + twist));
+        const T reach = std::abs(gap00) + steepest_u + steepest_v;
+        noise_u = steepest_u > 0 ? 4 * epsilon<T> * (dx2 + steepest_u * reach) : T(0);
+        noise_v = steepest_v > 0 ? 4 * epsilon<T> * (dy2 + steepest_v * reach) : T(0);
     }
+
+    [[nodiscard]] T slope_u(T v) const noexcept { return rise_u + v * twist; }
+    [[nodiscard]] T slope_v(T u) const noexcept { return rise_v + u * twist; }
+    /// σ_z.
+    [[nodiscard]] T gap(T u, T v) const noexcept { return gap00 + u * rise_u + v * slope_v(u); }
 
     /// Everything at one (u, v).
     struct Value {
@@ -76,9 +83,8 @@ struct DistanceFunction {
         T determinant; ///< determinant of Eq. (11), from the one above so that it does not cancel on steep ground
     };
     [[nodiscard]] Value operator()(T u, T v) const noexcept {
-        const T dx2 = gap.spacing.x * gap.spacing.x, dy2 = gap.spacing.y * gap.spacing.y;
-        const T z = gap.height(u, v), zu = gap.slope_u(v), zv = gap.slope_v(u);
-        const T slopes = zu * zv, bend = z * gap.twist(), fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
+        const T zu = slope_u(v), zv = slope_v(u), z = gap00 + u * rise_u + v * zv;
+        const T slopes = zu * zv, bend = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
         const T gauss_newton = dx2 * fvv + dy2 * zu * zu;
         return {.z = z,
                 .zu = zu,
@@ -94,19 +100,18 @@ struct DistanceFunction {
 
     /// The u in [0, 1] that minimises F at this v, and the v at this u: F is a parabola along u and along v.
     [[nodiscard]] T best_u(T v) const noexcept {
-        const T dx2 = gap.spacing.x * gap.spacing.x, z = gap.height(T(0), v), zu = gap.slope_u(v);
-        return std::clamp((dx2 * query_u - z * zu) / (dx2 + zu * zu), T(0), T(1));
+        const T zu = slope_u(v);
+        return std::clamp((dx2 * query_u - gap(T(0), v) * zu) / (dx2 + zu * zu), T(0), T(1));
     }
     [[nodiscard]] T best_v(T u) const noexcept {
-        const T dy2 = gap.spacing.y * gap.spacing.y, z = gap.height(u, T(0)), zv = gap.slope_v(u);
-        return std::clamp((dy2 * query_v - z * zv) / (dy2 + zv * zv), T(0), T(1));
+        const T zv = slope_v(u);
+        return std::clamp((dy2 * query_v - gap(u, T(0)) * zv) / (dy2 + zv * zv), T(0), T(1));
     }
 
     /// F(u + du, v + dv) − F(u, v): a quartic along the step, written so that nothing cancels.
     [[nodiscard]] T change(const Value& at, T du, T dv) const noexcept {
-        const T x = gap.spacing.x * du, y = gap.spacing.y * dv;
-        const T z1 = at.zu * du + at.zv * dv, z2 = gap.twist() * du * dv, dz = z1 + z2;
-        return at.fu * du + at.fv * dv + at.z * z2 + (x * x + y * y + dz * dz) / 2;
+        const T z1 = at.zu * du + at.zv * dv, z2 = twist * du * dv, dz = z1 + z2;
+        return at.fu * du + at.fv * dv + at.z * z2 + (dx2 * du * du + dy2 * dv * dv + dz * dz) / 2;
     }
 };
 
@@ -118,9 +123,9 @@ enum class NewtonStep : unsigned char { refused, taken, arrived };
 ///
 /// refused: Eq. (11) is not safely positive definite, or the step does not lower F by a quarter of
 /// F_u²/F_uu + F_v²/F_vv, which is at least half of what minimising along u or v alone can give; `at` is as it was.
-/// arrived: the whole step was taken and what it leaves of F_u and F_v is below their resolution. What it leaves is
-/// known without looking: the terms that Eq. (11) does not hold, A dv (z₁ + z₂) + z_u z₂ and A du (z₁ + z₂) + z_v z₂
-/// with z₁ + z₂ the change of height.
+/// arrived: the whole step was taken, what it leaves of F_u and F_v is below their resolution, and `gap` is σ_z there.
+/// What it leaves is known without looking: beside the rounding of the step itself the terms that Eq. (11) does not
+/// hold, A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height.
 template <Real T>
 [[nodiscard]] NewtonStep newton_step(const DistanceFunction<T>& distance,
                                      const typename DistanceFunction<T>::Value& f, vec2<T>& at,
@@ -144,8 +149,9 @@ template <Real T>
     if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;
     at = {u, v};
 
-    const T twist = distance.gap.twist(), bent = twist * du * dv, climb = f.zu * du + f.zv * dv + bent;
-    const T left_u = twist * dv * climb + f.zu * bent, left_v = twist * du * climb + f.zv * bent;
+    const T bent = distance.twist * du * dv, climb = f.zu * du + f.zv * dv + bent;
+    const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
+    const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
     gap = f.z + climb;
     return whole && 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
                ? NewtonStep::arrived
@@ -202,12 +208,14 @@ template <Real T>
         const bool pulls_u = std::abs(f.fu) > distance.noise_u, pulls_v = std::abs(f.fv) > distance.noise_v;
         const bool held_u = f.fu > 0 ? foot.u <= 0 : foot.u >= 1;
         const bool held_v = f.fv > 0 ? foot.v <= 0 : foot.v >= 1;
-        if (options.border == BorderRule::stop && ((pulls_u && held_u) || (pulls_v && held_v))) {
+        const bool free_u = pulls_u && !held_u, free_v = pulls_v && !held_v;
+        const bool ended = !free_u && !free_v;
+        if (options.border == BorderRule::stop && (foot.iterations > 0 || ended) &&
+            ((pulls_u && held_u) || (pulls_v && held_v))) {
             foot.status = NewtonStatus::at_border;
             return foot;
         }
-        const bool free_u = pulls_u && !held_u, free_v = pulls_v && !held_v;
-        if (!free_u && !free_v) return foot;
+        if (ended) return foot;
 
         // Steps of the last bits are kept only while they still help, so that they cannot go round in circles
         // and a stylus that rests leaves the proxy at rest.

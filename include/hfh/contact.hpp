@@ -18,7 +18,7 @@ enum class ContactStatus : unsigned char {
     off_surface, ///< no patch above or below: outside the grid or over a hole
     left_at_border, ///< was in contact and slid off the rim of the grid in this update
     left_at_hole, ///< was in contact and slid off the rim of a hole, or the surface under the proxy was removed
-    bad_input     ///< NaN, infinity, or too far away to number its cell: refused, state unchanged
+    bad_input ///< NaN, infinity, or too far away to number its cell or square its height: refused, state unchanged
 };
 
 [[nodiscard]] constexpr const char* to_string(ContactStatus status) noexcept {

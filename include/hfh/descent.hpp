@@ -137,56 +137,63 @@ template <HeightField Field, Real T>
 
 /// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates).
 ///
-/// On each patch Newton's method runs to the local minimum or to the border. At the border the point goes on in the
-/// patch in which the distance falls most steeply from that very point, its own included (each hop at one point goes
-/// to a steeper patch, so hops around a vertex come to an end); if that is its own, it slides along the border. The
-/// distance never rises. Ends where no patch at the point has a descent direction, and says so if it ends for
-/// another reason. Where a patch is missing the rim holds the point; with the query beyond that rim the point has
-/// slid off.
+/// Inside a patch Newton's method runs to the local minimum or to the border. On a border the point goes on in the
+/// patch into which the distance falls most steeply from that very point, its own included; each hop at one point
+/// goes to a steeper patch, so hops around a vertex come to an end. The distance never rises. Ends where no patch at
+/// the point has a descent direction, and says so if it ends for another reason. Where a patch is missing the rim
+/// holds the point; with the query beyond that rim the point has slid off.
 ///
-/// Looks at no more than about max_patches patches. Does not throw, does not allocate.
+/// Stops once max_patches were looked at, but never without having got on. Does not throw, does not allocate.
 template <HeightField Field>
 [[nodiscard]] DescentResult<typename Field::Scalar>
 descend(const Field& field, const vec3<typename Field::Scalar>& query,
         const SurfacePoint<typename Field::Scalar>& start, int max_patches) noexcept {
     using T = typename Field::Scalar;
     DescentResult<T> result;
+    result.point = start;
     const auto patch = field.patch(start.cell);
-    ++result.patches;
+    result.patches = 1;
     if (!patch) {
         result.status = DescentStatus::off_hole;
-        result.point = start;
         return result;
     }
 
     detail::Foothold<T> at{start, *patch, field.lattice().locate(query, start.cell)};
-    NewtonOptions newton{.border = BorderRule::stop};
     for (;;) {
-        const auto foot = newton_closest_point(at.patch, at.query, {at.point.u, at.point.v}, newton);
+        if (on_border(at.point)) {
+            const T fall = detail::fall_into(at, {0, 0});
+            const auto around = detail::look_around(field, query, at, fall);
+            result.patches += around.patches;
+            result.status = around.rim;
+            if (around.leads_down) {
+                at = around.steepest;
+            } else if (fall == 0) {
+                break;
+            }
+        }
+        const auto foot =
+            newton_closest_point(at.patch, at.query, {at.point.u, at.point.v}, {.border = BorderRule::stop});
+        const bool moved = foot.u != at.point.u || foot.v != at.point.v;
         at.point.u = foot.u;
         at.point.v = foot.v;
-        result.offset.z = foot.gap;
-
-        const bool inside = 0 < foot.u && foot.u < 1 && 0 < foot.v && foot.v < 1;
-        if (inside && foot.status == NewtonStatus::converged) break;
-        const bool held = foot.status == NewtonStatus::at_border;
-        const auto around =
-            detail::look_around(field, query, at, held ? detail::fall_into(at, {0, 0}) : T(0));
-        result.patches += around.patches;
-        if (around.leads_down && result.patches < max_patches) {
-            at = around.steepest;
-            newton.border = BorderRule::stop;
-        } else if (held && !around.leads_down) {
-            newton.border = BorderRule::slide;
-        } else {
-            const bool cut_short = around.leads_down || foot.status == NewtonStatus::iteration_limit;
-            result.status = cut_short ? DescentStatus::work_limit : around.rim;
+        if (foot.status == NewtonStatus::iteration_limit) {
+            result.status = DescentStatus::work_limit;
+            break;
+        }
+        if (!moved) break;
+        if (!on_border(at.point)) {
+            result.status = DescentStatus::minimum;
+            break;
+        }
+        if (result.patches >= max_patches) {
+            result.status = DescentStatus::work_limit;
             break;
         }
     }
     result.point = at.point;
-    result.offset.x = at.patch.spacing.x * (at.point.u - at.query.u);
-    result.offset.y = at.patch.spacing.y * (at.point.v - at.query.v);
+    result.offset = {at.patch.spacing.x * (at.point.u - at.query.u),
+                     at.patch.spacing.y * (at.point.v - at.query.v),
+                     DistanceFunction<T>{at.patch, at.query}.gap(at.point.u, at.point.v)};
     result.normal = detail::averaged_normal(field, at);
     return result;
 }

@@ -21,9 +21,10 @@
 namespace hfh {
 
 enum class HitStatus : unsigned char {
-    hit,       ///< the segment crosses the surface at `t`
-    miss,      ///< it does not
-    cell_limit ///< neither up to `t`, where the allowed number of cells was used up
+    hit,        ///< the segment crosses the surface at `t`
+    miss,       ///< it does not
+    on_surface, ///< with `leaves_surface`: it did not get off the surface, but for rounding, and ends below
+    cell_limit  ///< neither up to `t`, where the allowed number of cells was used up
 };
 
 template <Real T>
@@ -40,6 +41,9 @@ struct FirstHitOptions {
     /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
+    /// a was computed to lie on the surface, and the segment leaves it on `side`. Until it has, what the rounding of
+    /// a makes of a height is no crossing, and if it makes a lie beside a rim, that is no hole.
+    bool leaves_surface = false;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet: so that
     /// going on from `t` with `side` gets on, and comes to the same end as one search.
     Index max_cells = std::numeric_limits<Index>::max();
@@ -78,11 +82,12 @@ template <HeightField Field>
     FirstHit<T> result;
     const bool sheet = options.surface == SurfaceKind::sheet;
     Side side = options.side;
+    bool leaving = options.leaves_surface, under = false;
     double covered_to = 0;                 // up to here there was surface all along
     double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
 
     walk_cells(field.lattice(), field.cells(), {a.x, a.y}, {b.x, b.y}, [&](const CellSpan& span) {
-        if (span.t_in > covered_to) side = Side::none;
+        if (span.t_in > covered_to && !leaving) side = Side::none;
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
         const double searched_to = std::max(span.t_in, covered_to);
         if (result.cells >= options.max_cells && 0 < searched_to && searched_to < 1) {
@@ -126,6 +131,18 @@ template <HeightField Field>
             side = way >= 0 ? Side::above : Side::below;
         }
 
+        if (leaving) {
+            const glm::dvec2 step = span.out - span.in;
+            const double rise = f1 + patch.twist() * step.x * step.y; // f'(0) from f₀ = 0
+            f0 = 0;
+            if (side == Side::above ? rise <= 0 : rise >= 0) {
+                under = side == Side::above ? f1 < 0 : f1 > 0;
+                carried_f = 0;
+                return true;
+            }
+            leaving = false;
+        }
+
         for (;;) {
             const double sign = side == Side::above ? 1 : -1;
             const glm::dvec2 step = span.out - from;
@@ -144,6 +161,7 @@ template <HeightField Field>
             f0 = 0;
         }
     });
+    if (leaving && under && covered_to == 1) result.status = HitStatus::on_surface;
     if (result.status == HitStatus::miss) {
         if (covered_to < 1) {
             side = Side::none;

@@ -17,17 +17,16 @@ struct Force {
 
 /// Contact → force: F = stiffness · (proxy − stylus), shortened to max_force.
 ///
-/// Zero when not touching, and when the result would not be finite. Has no state, does not throw.
+/// Zero when not touching, and when the stiffness or the maximum is no number to go by.  Has no state, does not throw.
 template <Real T>
 struct ForceEvaluator {
     T stiffness = T(500);                        ///< N/m, ≥ 0
     T max_force = std::numeric_limits<T>::max(); ///< N, ≥ 0: what the device can give (Touch: 3.3)
 
     [[nodiscard]] constexpr Force<T> operator()(const Contact<T>& contact) const noexcept {
-        if (!contact.touching() || !is_finite(contact.depth)) return {};
-        const T wanted = stiffness * contact.depth;
-        if (!is_finite(stiffness)) return {};
-        if (!(wanted > max_force)) return {stiffness * contact.penetration, false};
+        const bool usable = is_finite(stiffness) && max_force >= 0 && is_finite(contact.depth);
+        if (!contact.touching() || !usable) return {};
+        if (!(stiffness * contact.depth > max_force)) return {stiffness * contact.penetration, false};
         return {contact.penetration * (max_force / contact.depth), true};
     }
 };

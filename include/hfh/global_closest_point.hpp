@@ -63,14 +63,14 @@ struct Interval {
 ///     φ(v) = ½ [dy² (v − v_q)² + dx² h² / (dx² + s²)],   h = height of the gap over (u_q, v),  s = z_u at v
 ///     φ'(v) = dy² (v − v_q) + dx² h k / (dx² + s²)²,     k = h' dx² + c s
 ///
-/// h, s and k are linear in v and c = q₁₀ q₀₁ − q₀₀ q₁₁ of the corner gaps. The stationary points of the patch are the
+/// h, s and k are linear in v and c = q₁₀ q₀₁ − q₀₀ q₁₁ of the corner gaps, written z_u z_v − q₀₀ A at corner 00. The stationary points of the patch are the
 /// roots of φ'; there are at most five.
 class ValleyFloor {
 public:
     ValleyFloor(const DistanceFunction<double>& f) noexcept
-        : dx2_{f.gap.spacing.x * f.gap.spacing.x}, dy2_{f.gap.spacing.y * f.gap.spacing.y},
-          query_v_{f.query_v}, h0_{f.gap.height(f.query_u, 0.0)}, h1_{f.gap.slope_v(f.query_u)},
-          s0_{f.gap.slope_u(0.0)}, s1_{f.gap.twist()}, c_{f.gap.p10 * f.gap.p01 - f.gap.p00 * f.gap.p11} {}
+        : dx2_{f.dx2}, dy2_{f.dy2}, query_v_{f.query_v}, h0_{f.gap(f.query_u, 0.0)},
+          h1_{f.slope_v(f.query_u)}, s0_{f.rise_u}, s1_{f.twist}, c_{f.rise_u * f.rise_v -
+                                                                     f.gap00 * f.twist} {}
 
     /// φ' at v, and φ''.
     struct Slope {
@@ -150,7 +150,7 @@ template <Real T>
     double u = foot.u, v = foot.v;
     const auto value = [&](double at_u, double at_v) {
         const double x = dx * (at_u - wide_query.u), y = dy * (at_v - wide_query.v),
-                     z = distance.gap.height(at_u, at_v);
+                     z = distance.gap(at_u, at_v);
         return (x * x + y * y + z * z) / 2;
     };
     double nearest = value(u, v);
@@ -201,7 +201,7 @@ template <Real T>
     }
     result.u = static_cast<T>(u);
     result.v = static_cast<T>(v);
-    result.gap = static_cast<T>(distance.gap.height(u, v));
+    result.gap = static_cast<T>(distance.gap(u, v));
     return result;
 }
 

@@ -58,10 +58,10 @@ public:
                           const TrackerOptions& = {}) = delete; // the field must outlive the tracker
 
     /// One haptic update: the stylus is at `stylus` (world coordinates, metres). NaN, infinity and positions beyond
-    /// the reach of cell numbers are refused: status bad_input, state unchanged.
+    /// the reach of cell numbers or of the scalar's squares are refused: status bad_input, state unchanged.
     [[nodiscard]] Contact<Scalar> update(const vec3<Scalar>& stylus) noexcept {
         Contact<Scalar> contact;
-        if (!is_finite(stylus) || !field_->lattice().reaches(stylus)) {
+        if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !(std::abs(stylus.z) < highest)) {
             contact.status = ContactStatus::bad_input;
             return contact;
         }
@@ -70,12 +70,8 @@ public:
             state_.started = true;
             state_.swept_to = glm::dvec3{stylus};
         }
-        if (state_.touching) {
-            slide(stylus, contact);
-        } else {
-            sweep(state_.swept_to, stylus, contact);
-            if (state_.touching) slide(stylus, contact);
-        }
+        if (!state_.touching) (void)sweep(state_.swept_to, stylus, {}, contact);
+        if (state_.touching) slide(stylus, contact);
         return contact;
     }
 
@@ -87,63 +83,72 @@ public:
     [[nodiscard]] constexpr const Field& field() const noexcept { return *field_; }
 
 private:
-    /// Free space: casts from → stylus. Ends touching, at the first crossing, or free.
-    void sweep(const glm::dvec3& from, const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
+    /// Beyond this height the fourth power of a distance overflows.
+    static constexpr Scalar highest = std::same_as<Scalar, float> ? Scalar(0x1p31) : Scalar(0x1p255);
+
+    /// Casts from → stylus. Ends touching, at the first crossing, or free; says how the cast ended.
+    HitStatus sweep(const glm::dvec3& from, const vec3<Scalar>& stylus, FirstHitOptions options,
+                    Contact<Scalar>& contact) noexcept {
         const glm::dvec3 to{stylus};
-        const int work_left = std::max(1, options_.max_patches - contact.patches);
-        const auto hit = first_hit(
-            *field_, from, to, {.surface = options_.surface, .side = state_.side, .max_cells = work_left});
+        options.surface = options_.surface;
+        options.side = state_.side;
+        options.max_cells = std::max(1, options_.max_patches - contact.patches);
+        const auto hit = first_hit(*field_, from, to, options);
         contact.patches += static_cast<int>(hit.cells);
         state_.touching = hit.status == HitStatus::hit;
         state_.side = contact.side = hit.side;
         state_.proxy = hit.point;
-        if (state_.touching) return;
+        if (state_.touching) return hit.status;
 
-        state_.swept_to = hit.status == HitStatus::cell_limit ? from + hit.t * (to - from) : to;
-        contact.status = hit.status == HitStatus::cell_limit ? ContactStatus::sweep_limit
-                         : hit.side == Side::none            ? ContactStatus::off_surface
-                         : hit.side == Side::below && options_.surface == SurfaceKind::solid
-                             ? ContactStatus::buried
-                             : ContactStatus::free;
+        const bool cut_short = hit.status == HitStatus::cell_limit;
+        state_.swept_to = cut_short ? from + hit.t * (to - from) : to;
+        const bool buried = hit.side == Side::below && options_.surface == SurfaceKind::solid;
+        contact.status = cut_short                ? ContactStatus::sweep_limit
+                         : hit.side == Side::none ? ContactStatus::off_surface
+                         : buried                 ? ContactStatus::buried
+                                                  : ContactStatus::free;
+        return hit.status;
     }
 
     /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus.
     void slide(const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
-        Scalar nearest = std::numeric_limits<Scalar>::max();
-        for (;;) {
+        while (state_.touching) {
             const auto found =
                 descend(*field_, stylus, state_.proxy, std::max(1, options_.max_patches - contact.patches));
             contact.patches += found.patches;
             state_.proxy = found.point;
-
             if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole) {
-                leave(stylus, contact);
-                contact.status = found.status == DescentStatus::off_border ? ContactStatus::left_at_border
-                                                                           : ContactStatus::left_at_hole;
+                leave(stylus, found.status, contact);
                 return;
             }
-            const Scalar sign = state_.side == Side::below ? Scalar(-1) : Scalar(1);
-            const bool inside = sign * glm::dot(found.offset, found.normal) > 0;
-            const Scalar distance = glm::length(found.offset);
-            if (!inside && found.status == DescentStatus::minimum && distance < nearest) {
-                // Outside this face: free, unless another one lies between. Each new contact is nearer than the
-                // last, or the two are the same point but for rounding and the stylus is on the surface.
-                nearest = distance;
-                sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus, contact);
-                if (!state_.touching) return;
-                continue;
+            // At a local closest point the offset is normal to the surface, so its z tells the side. (The paper asks
+            // the averaged normal always, which at the bottom of a steep pit can point anywhere.)
+            const bool minimum = found.status == DescentStatus::minimum;
+            const Scalar outward = minimum ? found.offset.z : glm::dot(found.offset, found.normal);
+            const bool inside = state_.side == Side::below ? outward < 0 : outward > 0;
+            if (inside || !minimum) {
+                touch(stylus, found, inside, minimum, contact);
+                return;
             }
-            touch(stylus, found, inside, sign, contact);
-            return;
+            // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
+            const SurfacePoint<Scalar> left = state_.proxy;
+            const auto way = sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
+                                   {.leaves_surface = true}, contact);
+            if (way == HitStatus::on_surface ||
+                (way == HitStatus::hit && contact.patches >= options_.max_patches)) {
+                state_.touching = true;
+                if (way == HitStatus::on_surface) state_.proxy = left;
+                touch(stylus, found, false, way == HitStatus::on_surface, contact);
+                return;
+            }
         }
     }
 
-    void touch(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found, bool inside, Scalar sign,
-               Contact<Scalar>& contact) noexcept {
-        contact.status =
-            found.status == DescentStatus::minimum ? ContactStatus::contact : ContactStatus::descent_limit;
+    void touch(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found, bool inside, bool minimum,
+               Contact<Scalar>& contact) const noexcept {
+        contact.status = minimum ? ContactStatus::contact : ContactStatus::descent_limit;
         contact.side = state_.side;
-        contact.normal = sign * found.normal;
+        contact.normal = state_.side == Side::below ? -found.normal : found.normal;
         contact.point = found.point;
         contact.proxy = stylus + found.offset;
         if (inside) { // never a pull towards the surface
@@ -153,9 +158,11 @@ private:
     }
 
     /// The proxy has slid off a rim: the stylus is wherever it is.
-    void leave(const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
+    void leave(const vec3<Scalar>& stylus, DescentStatus rim, Contact<Scalar>& contact) noexcept {
         state_.side = Side::none;
-        sweep(glm::dvec3{stylus}, stylus, contact);
+        sweep(glm::dvec3{stylus}, stylus, {}, contact);
+        contact.status =
+            rim == DescentStatus::off_border ? ContactStatus::left_at_border : ContactStatus::left_at_hole;
     }
 
     const Field* field_;

@@ -21,6 +21,12 @@ struct SurfacePoint {
     T u{}, v{};
 };
 
+/// Whether the point lies on an edge or a vertex of its cell, which it then shares with other cells.
+template <Real T>
+[[nodiscard]] constexpr bool on_border(const SurfacePoint<T>& p) noexcept {
+    return p.u <= 0 || p.u >= 1 || p.v <= 0 || p.v >= 1;
+}
+
 } // namespace hfh
 
 #endif // HFH_SURFACE_HPP
