@@ -160,6 +160,34 @@ TEMPLATE_TEST_CASE("descend: ends in the minimum that a gradient flow in small s
     CHECK(updates > 4000);
 }
 
+TEMPLATE_TEST_CASE("descend: from a vertex it takes the way that leads down most steeply", "[descent]", float,
+                   double) {
+    // Where several of the patches at a vertex lead down, the flow goes the steepest way; so does the descent. The two
+    // measure steepness differently (along the patch's edges, and in any direction), so a few differ.
+    using T = TestType;
+    Random random{26};
+    int starts = 0, other = 0;
+    for (const auto& scene : scenes<T>()) {
+        const auto grid = scene.terrain.grid();
+        const Surface<T> surface{scene.terrain};
+        for (int n = 0; n < 300; ++n) {
+            SurfacePoint<T> start;
+            start.cell = {random.whole(1, scene.terrain.columns - 3),
+                          random.whole(1, scene.terrain.rows - 3)};
+            start.u = T(random.whole(0, 1));
+            start.v = T(random.whole(0, 1));
+            const auto query =
+                query_near(random, surface, start, 0.25 * random.unit(), 0.25 * random.between(-1, 1));
+            const auto end = descend(grid, query, start, plenty);
+            const auto flowed = surface.flow(wide(start), wide(query));
+            ++starts;
+            other += !surface.same_basin(wide(end.point), flowed, wide(query));
+        }
+    }
+    CAPTURE(starts, other);
+    CHECK(other * 80 <= starts);
+}
+
 TEMPLATE_TEST_CASE("descend: on a plane it ends at the foot of the perpendicular, however far",
                    "[descent][eq:10]", float, double) {
     using T = TestType;
