@@ -502,6 +502,34 @@ TEMPLATE_TEST_CASE("first_hit: a known side wins over the height at the start", 
     CHECK(met.t == Approx(0.5));
 }
 
+TEMPLATE_TEST_CASE("first_hit: a segment that leaves the surface meets what lies beyond",
+                   "[first_hit][regression]", float, double) {
+    using T = TestType;
+    // A start an ulp over flat ground is above the highest corner of its patch: it has left the surface there, and the
+    // ridge at x = 7 was taken for a rounding of the start.
+    const auto up = hfh::test::terrain<T>(12, 4, [](Index i, Index) { return i == 7 ? 6 : 2; });
+    const auto down = hfh::test::terrain<T>(12, 4, [](Index i, Index) { return i == 7 ? -6 : -2; });
+    for (const double z : {2.0, 2 - 4 * eps, 2 - 2 * eps, 2 + 2 * eps, 2 + 4 * eps}) {
+        for (const double x : {2.0, 2.5}) {
+            for (const double y : {1.0, 1.5}) {
+                CAPTURE(z - 2, x, y);
+                // z = 2 + (x' − x)/(9.5 − x) meets 2 + 4·(x' − 6).
+                const double t = (6 - x) * 4 / (4 * (9.5 - x) - 1);
+                const FirstHitOptions above{.side = Side::above, .leaves_surface = true};
+                const auto met = first_hit(up.grid(), dvec3{x, y, z}, dvec3{9.5, y, 3}, above);
+                CHECK(met.status == HitStatus::hit);
+                CHECK(met.t == Approx(t).margin(16 * eps));
+                const FirstHitOptions below{
+                    .surface = SurfaceKind::sheet, .side = Side::below, .leaves_surface = true};
+                const auto under = first_hit(down.grid(), dvec3{x, y, -z}, dvec3{9.5, y, -3}, below);
+                CHECK(under.status == HitStatus::hit);
+                CHECK(under.side == Side::below);
+                CHECK(under.t == Approx(t).margin(16 * eps));
+            }
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("first_hit: a buried start feels nothing until it has been outside", "[first_hit]", float,
                    double) {
     using T = TestType;

@@ -105,10 +105,12 @@ template <HeightField Field>
         const double z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
         if (side != Side::below && std::min(z_in, z_out) > static_cast<double>(p.highest())) {
             side = Side::above;
+            leaving = false;
             return true;
         }
         if (side != Side::above && std::max(z_in, z_out) < static_cast<double>(p.lowest())) {
             side = Side::below;
+            leaving = false;
             return true;
         }
 
