@@ -23,7 +23,7 @@ void fail(benchmark::State& state, const std::string& why);
 
 template <class Body>
 void add(const std::string& name, Body&& body) {
-    benchmark::RegisterBenchmark(name.c_str(), std::forward<Body>(body))->MinTime(0.1);
+    benchmark::RegisterBenchmark(name.c_str(), std::forward<Body>(body))->MinTime(0.05);
 }
 
 template <class T>
