@@ -1,0 +1,378 @@
+// The promises of the library at full count, with a line for each. Oracles as in the tests, which run a sample:
+//
+//     hfh_certify PART SCALAR SHARE      PART closest_point, descent, flow, first_hit, tracker, flat or all
+//                                        SCALAR float or double, SHARE of the full count, 1 for all of it
+//
+// Exits with 1 if a promise was broken.
+
+#include "support/brute_force_hit.hpp"
+#include "support/hard_patches.hpp"
+#include "support/real_terrains.hpp"
+#include "support/scenes.hpp"
+#include "support/witness.hpp"
+
+#include <hfh/force_evaluator.hpp>
+#include <hfh/global_closest_point.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using namespace hfh;
+using namespace hfh::test;
+
+double share = 1;
+bool broken = false;
+
+[[nodiscard]] long counted(double full) { return std::max(1L, std::lround(full * share)); }
+
+template <Real T>
+constexpr const char* name = std::is_same_v<T, float> ? "float" : "double";
+
+void report(const char* part, const char* scalar, const std::string& what, long wrong) {
+    std::printf("%-13s %-6s %s: %s\n", part, scalar, what.c_str(), wrong == 0 ? "kept" : "BROKEN");
+    std::fflush(stdout);
+    broken = broken || wrong > 0;
+}
+
+/// `printf` into a string.
+template <class... Args>
+[[nodiscard]] std::string text(const char* format, Args... args) {
+    char buffer[512];
+    std::snprintf(buffer, sizeof buffer, format, args...);
+    return buffer;
+}
+
+/// Wrong: farther than the scan by more than 1e-12 (float: 4e-6) of the largest length.
+template <Real T>
+void closest_point() {
+    const Wide promise = std::is_same_v<T, float> ? 4e-6L : 1e-12L;
+    Random random{101};
+    long wrong = 0, certified = 0, cut_short = 0;
+    int most = 0;
+    Wide worst = 0;
+    const long count = counted(1e7);
+    for (long n = 0; n < count; ++n) {
+        const auto c = hard_patch_case<T>(random);
+        const auto found = global_closest_point(c.patch, c.query);
+        const SeenPatch seen{c};
+        const Wide nearest = scanned_distance(seen);
+        const Wide error = (seen.distance(static_cast<Wide>(found.u), static_cast<Wide>(found.v)) - nearest) /
+                           seen.size(nearest);
+        wrong += !(error <= promise);
+        worst = std::max(worst, error);
+        certified += found.status == GlobalStatus::certified;
+        cut_short += found.status == GlobalStatus::interval_limit;
+        most = std::max(most, found.intervals);
+    }
+    report("closest_point", name<T>,
+           text("%ld queries, %ld wrong, worst error %.2g, %.1f %% certified without a search, at most %d "
+                "intervals, %ld searches "
+                "cut short at %d",
+                count, wrong, static_cast<double>(worst),
+                100.0 * static_cast<double>(certified) / static_cast<double>(count), most, cut_short,
+                GlobalClosestPoint<T>::max_intervals),
+           wrong);
+}
+
+/// Every terrain there is, the real ones with their names.
+template <Real T, class Each>
+void each_terrain(Each&& each) {
+    for (const auto& names : {real_terrains_without_holes, real_terrains_with_holes}) {
+        for (const auto& terrain : names) {
+            if (const auto ground = real_terrain<T>(terrain)) each(terrain.c_str(), *ground);
+        }
+    }
+    for (const auto& scene : scenes<T>()) each(scene.name, scene.terrain);
+}
+
+/// Strokes of 0.05 to 100 cells per update, 0.01 to 20 cells deep: the distance never rises, no patch around the end
+/// leads down by more than 64 ulp-scales, no descent runs out of work.
+template <Real T>
+void descent() {
+    Random random{102};
+    const long count = counted(1e7);
+    long updates = 0, wrong = 0;
+    int most = 0, terrains = 0;
+    double steepest = 0;
+    each_terrain<T>([&](const char*, const Terrain<T>&) { ++terrains; });
+    each_terrain<T>([&](const char*, const Terrain<T>& ground) {
+        const auto grid = ground.grid();
+        const Surface<T> surface{ground};
+        const double columns = static_cast<double>(ground.columns - 1),
+                     rows = static_cast<double>(ground.rows - 1);
+        for (long n = 0; n < count / terrains;) {
+            const double step = 0.05 * std::pow(2000, random.unit()),
+                         deep = 0.01 * std::pow(2000, random.unit());
+            double x = random.between(0, columns), y = random.between(0, rows),
+                   heading = random.between(0, 6.283185307);
+            const auto under = [&] {
+                return surface.under(static_cast<Wide>(ground.frame.origin.x + x * ground.frame.spacing.x),
+                                     static_cast<Wide>(ground.frame.origin.y + y * ground.frame.spacing.y));
+            };
+            const auto first = under();
+            if (!first) continue;
+            SurfacePoint<T> at{{first->i, first->j}, static_cast<T>(first->u), static_cast<T>(first->v)};
+            double height = static_cast<double>(surface.position(*first).z);
+            for (int k = 0; k < 50; ++k, ++n) {
+                heading += random.between(-0.3, 0.3);
+                x = std::clamp(x + step * std::cos(heading), 0.0, columns);
+                y = std::clamp(y + step * std::sin(heading), 0.0, rows);
+                if (const auto here = under()) height = static_cast<double>(surface.position(*here).z);
+                const vec3<T> query{static_cast<T>(ground.frame.origin.x + x * ground.frame.spacing.x),
+                                    static_cast<T>(ground.frame.origin.y + y * ground.frame.spacing.y),
+                                    static_cast<T>(height - deep * ground.frame.spacing.x)};
+                const auto end = descend(grid, query, at, TrackerOptions{}.max_patches);
+                ++updates;
+                most = std::max(most, end.patches);
+                const WideSurfacePoint from{at.cell.i, at.cell.j, static_cast<Wide>(at.u),
+                                            static_cast<Wide>(at.v)};
+                const WideSurfacePoint to{end.point.cell.i, end.point.cell.j, static_cast<Wide>(end.point.u),
+                                          static_cast<Wide>(end.point.v)};
+                const Point q = wide(query);
+                const Wide before = surface.half_square(from, q), after = surface.half_square(to, q);
+                const Wide eps = static_cast<Wide>(epsilon<T>);
+                const Wide blur = surface.blur(to, q, eps) + surface.blur(from, q, eps) +
+                                  eps * (surface.dx() + surface.dy());
+                bool bad = after > before + 16 * blur * std::sqrt(2 * before + blur * blur);
+                if (end.status == DescentStatus::minimum) {
+                    const Wide fall = surface.template fall<T>(to, q);
+                    steepest = std::max(steepest, static_cast<double>(fall));
+                    bad = bad || fall > 64;
+                }
+                bad = bad || end.status == DescentStatus::work_limit;
+                if (bad && wrong++ < 3) {
+                    std::printf("  from cell %td %td at %s %s, query %s\n", at.cell.i, at.cell.j,
+                                digits(at.u).c_str(), digits(at.v).c_str(), digits(query).c_str());
+                }
+                if (end.status == DescentStatus::off_border || end.status == DescentStatus::off_hole) break;
+                at = end.point;
+            }
+        }
+    });
+    report("descent", name<T>,
+           text("%ld updates on %d terrains, %ld exceptions, steepest descent left %.1f ulp-scales, at most "
+                "%d patches",
+                updates, terrains, wrong, steepest, most),
+           wrong);
+}
+
+/// Ends in the same minimum as a gradient flow in small steps, at up to half a cell per update.
+template <Real T>
+void flow() {
+    Random random{103};
+    const long count = counted(2e5);
+    long updates = 0, other = 0;
+    int terrains = 0;
+    each_terrain<T>([&](const char*, const Terrain<T>&) { ++terrains; });
+    each_terrain<T>([&](const char* terrain, const Terrain<T>& ground) {
+        if (std::string_view{terrain} == "roughest")
+            return; // half a cell there is a peak or two: no way is the same
+        const auto grid = ground.grid();
+        const Surface<T> surface{ground};
+        for (long n = 0; n < count / terrains;) {
+            const Index i = static_cast<Index>(random.whole(0, ground.columns - 2)),
+                        j = static_cast<Index>(random.whole(0, ground.rows - 2));
+            if (!surface.patch(i, j)) continue;
+            SurfacePoint<T> at{{i, j}, static_cast<T>(random.unit()), static_cast<T>(random.unit())};
+            const double deep = 0.01 * std::pow(200, random.unit());
+            double heading = random.between(0, 6.283185307);
+            Point hand = surface.position({i, j, static_cast<Wide>(at.u), static_cast<Wide>(at.v)});
+            for (int k = 0; k < 40; ++k, ++n) {
+                heading += random.between(-0.5, 0.5);
+                const double step = 0.5 * random.unit();
+                hand.x += static_cast<Wide>(step * std::cos(heading)) * surface.dx();
+                hand.y += static_cast<Wide>(step * std::sin(heading)) * surface.dy();
+                const auto height = surface.height(hand.x, hand.y);
+                if (!height) break;
+                const vec3<T> query{static_cast<T>(hand.x), static_cast<T>(hand.y),
+                                    static_cast<T>(*height - static_cast<Wide>(deep) * surface.dx())};
+                const auto end = descend(grid, query, at, TrackerOptions{}.max_patches);
+                if (end.status != DescentStatus::minimum) break;
+                const auto flowed = surface.flow(
+                    {at.cell.i, at.cell.j, static_cast<Wide>(at.u), static_cast<Wide>(at.v)}, wide(query));
+                ++updates;
+                other += !surface.same_basin({end.point.cell.i, end.point.cell.j,
+                                              static_cast<Wide>(end.point.u), static_cast<Wide>(end.point.v)},
+                                             flowed, wide(query));
+                at = end.point;
+            }
+        }
+    });
+    report("flow", name<T>,
+           text("%ld updates of up to half a cell, %ld in another minimum than the gradient flow (%.3f %%, "
+                "at most 0.1 %%)",
+                updates, other, 100.0 * static_cast<double>(other) / static_cast<double>(updates)),
+           other * 1000 > updates);
+}
+
+/// Against brute force over every cell; a segment within 1e-11 m of a graze may go either way.
+template <Real T>
+void first_crossing() {
+    Random random{104};
+    long segments = 0, wrong = 0, unclear = 0, hits = 0;
+    const auto compare = [&](const Terrain<T>& ground, const glm::dvec3& a, const glm::dvec3& b) {
+        const auto kind = random.one_in(2) ? SurfaceKind::solid : SurfaceKind::sheet;
+        const auto found = first_hit(ground.grid(), a, b, {.surface = kind});
+        const auto pieces = hit_pieces(ground, a, b);
+        const auto exact = brute_force_hit(pieces, kind),
+                   lifted = brute_force_hit(pieces, kind, Side::none, 1e-11L),
+                   lowered = brute_force_hit(pieces, kind, Side::none, -1e-11L);
+        ++segments;
+        if (exact.hit != lifted.hit || exact.hit != lowered.hit || exact.side != lifted.side ||
+            exact.side != lowered.side || std::abs(lifted.t - lowered.t) > 1e-3L) {
+            ++unclear;
+            return;
+        }
+        const Wide first = std::min({exact.t, lifted.t, lowered.t}),
+                   last = std::max({exact.t, lifted.t, lowered.t});
+        const bool right = (found.status == HitStatus::hit) == exact.hit && found.side == exact.side &&
+                           static_cast<Wide>(found.t) >= first - 1e-14L &&
+                           static_cast<Wide>(found.t) <= last + 1e-14L;
+        hits += exact.hit;
+        if (!right && wrong++ < 3) {
+            std::printf("  %.17g %.17g %.17g -> %.17g %.17g %.17g on a terrain of %td x %td\n", a.x, a.y, a.z,
+                        b.x, b.y, b.z, ground.columns, ground.rows);
+        }
+    };
+    const GridFrame frames[]{{{0, 0}, {1, 1}}, {{-30, 12.5}, {10, 2.5}}, {{1e7 + 0.125, -1e7}, {4, 16}}};
+    std::vector<Terrain<T>> grounds;
+    std::uint64_t seed = 400;
+    for (const auto& frame : frames) {
+        for (const bool holes : {false, true}) {
+            grounds.push_back(rough_in_steps<T>(8, 7, 4, ++seed, frame));
+            if (holes) punch_holes(grounds.back(), 8, seed);
+        }
+        grounds.push_back(saddle<T>(8, 7, 0.25, frame));
+    }
+    const long count = counted(1e7);
+    while (segments < count) {
+        const auto& ground =
+            grounds[static_cast<std::size_t>(random.whole(0, static_cast<std::int64_t>(grounds.size()) - 1))];
+        const auto& frame = ground.frame;
+        const auto place = [&](bool on_column, bool on_row) {
+            const double columns = static_cast<double>(ground.columns - 1),
+                         rows = static_cast<double>(ground.rows - 1);
+            const glm::dvec2 cells{
+                on_column ? std::round(random.between(0, columns)) : random.between(-1, columns + 1),
+                on_row ? std::round(random.between(0, rows)) : random.between(-1, rows + 1)};
+            return frame.origin + cells * frame.spacing;
+        };
+        const auto z = [&] {
+            return random.one_in(2) ? random.between(-2, 6) : random.fraction(-1, 5, 64) + 1e-3;
+        };
+        const glm::dvec2 p = place(false, false), q = place(false, false), v = place(true, true),
+                         w = place(true, true);
+        switch (random.whole(0, 8)) {
+        case 0: compare(ground, {p, z()}, {q, z()}); break;
+        case 1: compare(ground, {p, z()}, {p + 0.1 * (q - p), z()}); break;
+        case 2: compare(ground, {v.x, p.y, z()}, {v.x, q.y, z()}); break;
+        case 3: compare(ground, {p.x, v.y, z()}, {q.x, v.y, z()}); break;
+        case 4: compare(ground, {v, z()}, {w, z()}); break;
+        case 5: compare(ground, {p, z()}, {2.0 * v - p, z()}); break;
+        case 6: compare(ground, {p, z()}, {p, z()}); break;
+        case 7: { // level, on the surface at its start or its end
+            const auto height = Surface<T>{ground}.height(static_cast<Wide>(p.x), static_cast<Wide>(p.y));
+            const double level = height ? static_cast<double>(*height) : z();
+            compare(ground, {p, level}, {q, random.one_in(2) ? level : z()});
+            break;
+        }
+        default: { // from an ulp beside a vertex
+            const glm::dvec2 near{std::nextafter(v.x, random.one_in(2) ? 1e9 : -1e9), v.y};
+            compare(ground, {near, z()}, {2.0 * near - p, z()});
+        }
+        }
+    }
+    // Long ones, over a strip.
+    const auto strip = rough_in_steps<T>(3002, 4, 4, 77, {});
+    const long more = counted(1e4);
+    for (long n = 0; n < more; ++n) {
+        const double length = 0.5 * std::pow(6000, random.unit()), x = random.between(0, 3001 - length);
+        const double top = random.between(3.9, 4.2);
+        compare(strip, {x, random.between(0, 3), top},
+                {x + length, random.between(0, 3), random.between(3.5, top)});
+    }
+    report(
+        "first_hit", name<T>,
+        text("%ld segments, %ld hits, %ld missed, invented or not the first; %ld within 1e-11 m of a graze",
+             segments, hits, wrong, unclear),
+        wrong);
+}
+
+/// A hand that does all a hand can do, under a witness, on every terrain: solid and, every fourth update, sheet.
+template <Real T>
+void tracker() {
+    each_terrain<T>([&](const char* terrain, const Terrain<T>& ground) {
+        for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
+            Witness<T> witness{ground, {.surface = kind}};
+            Hand<T> hand{ground, kind == SurfaceKind::solid ? 105u : 107u};
+            const long count = counted(kind == SurfaceKind::solid ? 1e6 : 2.5e5);
+            for (long n = 0; n < count; ++n) (void)witness.update(hand.next());
+            if (witness.faults > 0) std::printf("  %s\n", witness.first_fault.c_str());
+            report("tracker", name<T>,
+                   text("%s, %s, %d updates, %.0f %% in contact, %d faults, at most %d patches", terrain,
+                        kind == SurfaceKind::solid ? "solid" : "sheet", witness.updates,
+                        100.0 * witness.contacts / witness.updates, witness.faults, witness.most_patches),
+                   witness.faults);
+        }
+    });
+}
+
+/// On flat ground the force has no tangential part: not small, none.
+template <Real T>
+void flat() {
+    const auto ground = plane<T>(257, 257, 3, GridFrame{.origin = {500000, 4649776}, .spacing = {10, 10}});
+    const auto grid = ground.grid();
+    const ForceEvaluator<T> force{};
+    ProxyTracker<typename Terrain<T>::Grid> tracker{grid};
+    Random random{106};
+    glm::dvec2 at = (ground.low() + ground.high()) / 2.0, way{0.3, 0.2};
+    (void)tracker.update({static_cast<T>(at.x), static_cast<T>(at.y), T(4)});
+    long unsteady = 0;
+    const long count = counted(2.2e6);
+    for (long n = 0; n < count; ++n) {
+        for (int axis = 0; axis < 2; ++axis) {
+            way[axis] = std::clamp(way[axis] + 0.05 * random.between(-1, 1), -0.5, 0.5);
+            at[axis] = std::clamp(at[axis] + 10 * way[axis], ground.low()[axis] + 1, ground.high()[axis] - 1);
+        }
+        const auto f = force(tracker.update(
+            {static_cast<T>(at.x), static_cast<T>(at.y), static_cast<T>(2 + 0.5 * random.unit())}));
+        unsteady += f.newtons.x != 0 || f.newtons.y != 0 || !(f.newtons.z > 0);
+    }
+    report("flat", name<T>, text("%ld updates, %ld with a tangential force", count, unsteady), unsteady);
+}
+
+template <Real T>
+[[nodiscard]] bool run(std::string_view part) {
+    const bool all = part == "all";
+    bool known = all;
+    const auto one = [&](std::string_view called, void (*promise)()) {
+        if (all || part == called) promise(), known = true;
+    };
+    one("closest_point", closest_point<T>);
+    one("descent", descent<T>);
+    one("flow", flow<T>);
+    one("first_hit", first_crossing<T>);
+    one("tracker", tracker<T>);
+    one("flat", flat<T>);
+    return known;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const std::string_view scalar = argc == 4 ? argv[2] : "";
+    share = argc == 4 ? std::atof(argv[3]) : 0;
+    const bool understood =
+        share > 0 && (scalar == "float" ? run<float>(argv[1]) : scalar == "double" && run<double>(argv[1]));
+    if (!understood) {
+        std::fputs(
+            "usage: hfh_certify closest_point|descent|flow|first_hit|tracker|flat|all float|double SHARE\n",
+            stderr);
+        return 2;
+    }
+    return broken ? 1 : 0;
+}
