@@ -4,8 +4,6 @@
 
 #include <hfh/descent.hpp>
 
-#include <cstdlib>
-
 using namespace hfh;
 using namespace hfh::test;
 
@@ -103,7 +101,6 @@ TEMPLATE_TEST_CASE("descend: the distance never rises and no patch at its end le
     }
     CAPTURE(most);
     CHECK(most < 2000); // a descent over the whole diagonal, three neighbours a step, is 200
-    if (std::getenv("HFH_TEST_FIGURES")) WARN("most patches " << most);
 }
 
 TEMPLATE_TEST_CASE("descend: ends in the minimum that a gradient flow in small steps ends in",

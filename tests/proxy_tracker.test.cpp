@@ -82,10 +82,6 @@ void check_hand(const char* name, const Terrain<T>& ground, const TrackerOptions
     CHECK(witness.first_fault == "");
     CHECK(witness.faults == 0);
     CHECK(witness.contacts * 10 > witness.updates);
-    if (std::getenv("HFH_TEST_FIGURES")) {
-        WARN(name << ": patches at most " << witness.most_patches << ", contacts " << witness.contacts
-                  << " of " << witness.updates);
-    }
 }
 
 } // namespace
@@ -718,7 +714,7 @@ TEMPLATE_TEST_CASE(
         CHECK(c.normal.x < 0);
         CHECK(std::abs(x_of(c.point) - 70) <= 1);
     }
-    // The stylus may move on meanwhile: the way it took is searched, not the straight line.
+    // The stylus may move on meanwhile: the search goes on from where it was to where the stylus is now.
     ProxyTracker tracker{grid, {.max_patches = 16}};
     CHECK(tracker.update({T(2.5), T(3.25), T(2)}).status == ContactStatus::free);
     CHECK(tracker.update({T(120.5), T(5.5), T(1)}).status == ContactStatus::sweep_limit);
