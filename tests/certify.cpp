@@ -202,11 +202,15 @@ void flow() {
             }
         }
     });
+    // A sample may have three deviations more than its share.
+    const double allowed = static_cast<double>(updates) / 1000;
+    const bool beyond_chance =
+        static_cast<double>(other) > allowed + (share < 1 ? 3 * std::sqrt(allowed) : 0);
     report("flow", name<T>,
            text("%ld updates of up to half a cell, %ld in another minimum than the gradient flow (%.3f %%, "
                 "at most 0.1 %%)",
                 updates, other, 100.0 * static_cast<double>(other) / static_cast<double>(updates)),
-           other * 1000 > updates);
+           beyond_chance);
 }
 
 /// Against brute force over every cell; a segment within 1e-11 m of a graze may go either way.
