@@ -88,7 +88,7 @@ private:
                (is_finite(metres(Limits::lowest())) && is_finite(metres(Limits::max())));
     }
 
-    /// A normal is computed as a vector no shorter than dx·dy; its square must be a number.
+    /// The determinant of Eq. (11) is (dx·dy)² at the least: that must be a number.
     [[nodiscard]] static constexpr bool squares_in_range(T area) noexcept {
         return area > 0 && area * area >= std::numeric_limits<T>::min() && is_finite(area * area);
     }

@@ -27,6 +27,10 @@ enum class BorderRule : unsigned char {
 
 struct NewtonOptions {
     BorderRule border = BorderRule::slide;
+    /// Measured (target accuracy, double, from the point over the query): with 64 no query is left with anything to
+    /// gain downhill. With 8, 0.016 % are of those 1 to 5 cells below steep alpine ground and 0.18 % of those below
+    /// cells of relief 1 to 1000; with 4, 0.9 % and 8 %; with 2, 20 % of both. In shallow contact, up to 0.1 cells,
+    /// 2 are exact on gentle ground (8 m cells) and 3 on steep. Fewer save next to nothing: it stops by itself.
     int max_iterations = 64;
 };
 
