@@ -1,0 +1,358 @@
+#include "bytes.hpp"
+
+#include <hfh/bilinear_grid.hpp>
+#include <hfh/first_hit.hpp>
+#include <hfh/global_closest_point.hpp>
+
+#include <array>
+
+// One patch, one query: Newton's point, the global closest point, the first crossing.
+
+namespace hfh::fuzz {
+namespace {
+
+using Wide = long double;
+
+template <Real T>
+constexpr Wide eps = static_cast<Wide>(epsilon<T>);
+/// A few roundings among denormal numbers, which are absolute.
+template <Real T>
+constexpr Wide dust = 16 * static_cast<Wide>(std::numeric_limits<T>::denorm_min());
+
+/// The patch as it was given, seen from the query: heights over it, metres from the cell's corner.
+template <class R>
+struct Seen {
+    R p00, p10, p01, p11, dx, dy, qx, qy;
+
+    [[nodiscard]] R gap(R u, R v) const {
+        return (1 - v) * ((1 - u) * p00 + u * p10) + v * ((1 - u) * p01 + u * p11);
+    }
+    [[nodiscard]] R half_square(R u, R v) const {
+        const R x = dx * u - qx, y = dy * v - qy, z = gap(u, v);
+        return (x * x + y * y + z * z) / 2;
+    }
+    /// On the line v = const the surface is straight, so its nearest point is a projection; the same for u = const.
+    [[nodiscard]] R nearest_u(R v) const {
+        const R z = (1 - v) * p00 + v * p01, rise = (1 - v) * (p10 - p00) + v * (p11 - p01);
+        return std::clamp((dx * qx - rise * z) / (dx * dx + rise * rise), R(0), R(1));
+    }
+    [[nodiscard]] R nearest_v(R u) const {
+        const R z = (1 - u) * p00 + u * p10, rise = (1 - u) * (p01 - p00) + u * (p11 - p10);
+        return std::clamp((dy * qy - rise * z) / (dy * dy + rise * rise), R(0), R(1));
+    }
+};
+
+template <class R, Real T>
+[[nodiscard]] Seen<R> seen(const BilinearPatch<T>& p, const CellPoint<T>& q) {
+    const R z = static_cast<R>(q.z), dx = static_cast<R>(p.spacing.x), dy = static_cast<R>(p.spacing.y);
+    return {static_cast<R>(p.p00) - z,
+            static_cast<R>(p.p10) - z,
+            static_cast<R>(p.p01) - z,
+            static_cast<R>(p.p11) - z,
+            dx,
+            dy,
+            static_cast<R>(q.u) * dx,
+            static_cast<R>(q.v) * dy};
+}
+
+struct Foot {
+    double u, v, half_square;
+};
+
+/// The nearest point that a search of lines finds: along each of 33 lines of both directions exactly, then between the
+/// lines next to the three best by golden section.
+[[nodiscard]] Foot nearest_by_lines(const Seen<double>& p) {
+    constexpr int lines = 32;
+    Foot best{0, 0, std::numeric_limits<double>::max()};
+    const auto search = [&](auto&& at) { // at(s): the nearest point of line s
+        std::array<double, lines + 1> f{};
+        for (int n = 0; n <= lines; ++n) f[static_cast<std::size_t>(n)] = at(n / double(lines)).half_square;
+        int searched = 0;
+        for (int n = 0; n <= lines && searched < 3; ++n) {
+            const double here = f[static_cast<std::size_t>(n)];
+            const double before = n > 0 ? f[static_cast<std::size_t>(n - 1)] : here;
+            const double after = n < lines ? f[static_cast<std::size_t>(n + 1)] : here;
+            if (here > before || here > after) continue;
+            ++searched;
+            double low = std::max(n - 1, 0) / double(lines), high = std::min(n + 1, lines) / double(lines);
+            for (int step = 0; step < 24; ++step) {
+                const double third = (high - low) * 0.381966;
+                if (at(low + third).half_square < at(high - third).half_square) {
+                    high -= third;
+                } else {
+                    low += third;
+                }
+            }
+            for (const Foot& foot : {at(n / double(lines)), at((low + high) / 2)}) {
+                if (foot.half_square < best.half_square) best = foot;
+            }
+        }
+    };
+    search([&](double v) { return Foot{p.nearest_u(v), v, p.half_square(p.nearest_u(v), v)}; });
+    search([&](double u) { return Foot{u, p.nearest_v(u), p.half_square(u, p.nearest_v(u))}; });
+    return best;
+}
+
+template <Real T>
+struct Case {
+    BilinearPatch<T> patch;
+    CellPoint<T> query;
+    Seen<Wide> wide;
+    Wide reach; ///< the largest of cell diagonal, relief and distance to the nearest corner
+
+    Case(const BilinearPatch<T>& p, const CellPoint<T>& q) : patch{p}, query{q}, wide{seen<Wide>(p, q)} {
+        const Wide relief = static_cast<Wide>(p.highest()) - static_cast<Wide>(p.lowest());
+        const Wide nearest = std::min(std::min(distance(T(0), T(0)), distance(T(1), T(0))),
+                                      std::min(distance(T(0), T(1)), distance(T(1), T(1))));
+        reach = std::max(std::max(std::hypot(wide.dx, wide.dy), relief), nearest);
+    }
+    template <class R>
+    [[nodiscard]] Wide distance(R u, R v) const {
+        return std::sqrt(2 * wide.half_square(static_cast<Wide>(u), static_cast<Wide>(v)));
+    }
+    [[nodiscard]] Story story() const {
+        Story s;
+        s("p00", patch.p00)("p10", patch.p10)("p01", patch.p01)("p11", patch.p11);
+        s("dx", patch.spacing.x)("dy", patch.spacing.y)("\nquery u", query.u)("v", query.v)("z", query.z);
+        return s;
+    }
+};
+
+/// Newton from `start`: in the patch, with a status that can be, and no farther than it began.
+///
+/// A step is taken if F falls as computed. The heights over the query carry a rounding each, and so does what is made
+/// of them: seen from the query the surface is uncertain by some ε L at every step, so each may add that much to the
+/// true distance and no more.
+template <Real T>
+NewtonResult<T> check_newton(const Case<T>& c, const vec2<T>& start, BorderRule border) {
+    const auto foot = newton_closest_point(c.patch, c.query, start, {.border = border});
+    const auto fail = [&](const char* rule) {
+        broken(rule, c.story()("\nstart", start.x)("", start.y)("end", foot.u)("", foot.v)(
+                          "\ndistance before", static_cast<double>(c.distance(start.x, start.y)))(
+                          "after", static_cast<double>(c.distance(foot.u, foot.v)))(
+                          "L", static_cast<double>(c.reach))("iterations", double(foot.iterations))
+                         .told());
+    };
+    if (!(foot.u >= 0 && foot.u <= 1 && foot.v >= 0 && foot.v <= 1)) fail("Newton ends outside the patch");
+    if (!is_finite(foot.gap)) fail("Newton's gap is not finite");
+    if (foot.iterations < 0 || foot.iterations > NewtonOptions{}.max_iterations) fail("too many iterations");
+    if (foot.status == NewtonStatus::at_border) {
+        if (border != BorderRule::stop) fail("Newton stopped at the border though it should slide");
+        if (foot.u > 0 && foot.u < 1 && foot.v > 0 && foot.v < 1) fail("Newton stopped at no border");
+    } else if (foot.status == NewtonStatus::iteration_limit) {
+        if (foot.iterations != NewtonOptions{}.max_iterations) fail("Newton gave up early");
+    } else if (foot.status != NewtonStatus::converged) {
+        fail("an unknown status");
+    }
+    const Wide tolerance = 4 * eps<T> * (1 + foot.iterations) * c.reach;
+    if (c.distance(foot.u, foot.v) > c.distance(start.x, start.y) + tolerance) fail("Newton ends farther");
+    const Wide gap = c.wide.gap(static_cast<Wide>(foot.u), static_cast<Wide>(foot.v));
+    const Wide highest = std::max(std::max(std::abs(c.wide.p00), std::abs(c.wide.p10)),
+                                  std::max(std::abs(c.wide.p01), std::abs(c.wide.p11)));
+    if (std::abs(gap - static_cast<Wide>(foot.gap)) > 16 * eps<T> * highest + dust<T>)
+        fail("Newton's gap is not that of its point");
+    return foot;
+}
+
+template <Real T>
+void check_closest(const Case<T>& c, const vec2<T>& start) {
+    const Wide tolerance = (sizeof(T) == 8 ? 1e-12L : 4e-6L) * c.reach;
+    const auto found = global_closest_point(c.patch, c.query);
+    const auto fail = [&](const char* rule, double u, double v) {
+        broken(rule, c.story()("\nfound", found.u)("", found.v)("better", u)("", v)(
+                          "\ndistance", static_cast<double>(c.distance(found.u, found.v)))(
+                          "better", static_cast<double>(c.distance(u, v)))("L", static_cast<double>(c.reach))(
+                          found.status == GlobalStatus::certified  ? "certified"
+                          : found.status == GlobalStatus::searched ? "searched"
+                                                                   : "interval_limit")
+                         .told());
+    };
+    if (!(found.u >= 0 && found.u <= 1 && found.v >= 0 && found.v <= 1)) fail("closest point outside", 0, 0);
+    const Wide distance = c.distance(found.u, found.v);
+    // Found and not mended yet: Newton's resolution of the gradient is not that of the distance on such a cliff.
+    const bool known = c.reach > 1e6L * std::min(c.wide.dx, c.wide.dy);
+    const auto offer = [&](const char* rule, double u, double v) {
+        if (!known && distance > c.distance(u, v) + tolerance) fail(rule, u, v);
+    };
+    const vec2<T> starts[] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {T(0.5), T(0.5)}, start};
+    for (const vec2<T>& from : starts) {
+        const auto foot = check_newton(c, from, BorderRule::slide);
+        offer("Newton found a closer point", static_cast<double>(foot.u), static_cast<double>(foot.v));
+    }
+    (void)check_newton(c, start, BorderRule::stop);
+    const Foot foot = nearest_by_lines(seen<double>(c.patch, c.query));
+    offer("a search found a closer point", foot.u, foot.v);
+}
+
+/// A segment over one cell. Both ends are given in cells, and may lie beyond it.
+///
+/// z of the segment less z of the surface is one quadratic over the cell, computed here in long double from the ends as
+/// doubles. The library computes in double: what goes in are heights and z (R at most) and a place in cells good to ε
+/// of the farther end, times the slopes.
+template <Real T>
+void check_hit(const BilinearPatch<T>& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec2& origin,
+               SurfaceKind kind) {
+    const std::array<T, 4> samples{p.p00, p.p10, p.p01, p.p11};
+    const glm::dvec2 spacing{p.spacing};
+    const BilinearGrid<T, HeightView<T>> grid{HeightView<T>{samples.data(), 2, 2},
+                                              {.origin = origin, .spacing = spacing}};
+    const auto hit = first_hit(grid, a, b, {.surface = kind});
+    const auto fail = [&](const char* rule, double at) {
+        Story s;
+        s(kind == SurfaceKind::solid ? "solid " : "sheet ")("p00", p.p00)("p10", p.p10)("p01", p.p01)("p11",
+                                                                                                      p.p11);
+        s("\norigin", origin.x)("", origin.y)("spacing", spacing.x)("", spacing.y);
+        s("\na", a.x)("", a.y)("", a.z)("b", b.x)("", b.y)("", b.z);
+        s(hit.status == HitStatus::hit ? "\nhit at" : "\nmiss", hit.t)("in cell", double(hit.point.u))(
+            "", double(hit.point.v))(hit.side == Side::above   ? "above "
+                                     : hit.side == Side::below ? "below "
+                                                               : "none ")("judged at", at);
+        broken(rule, s.told());
+    };
+    if (!(hit.t >= 0 && hit.t <= 1)) fail("t outside the segment", hit.t);
+    if (hit.status == HitStatus::cell_limit) fail("no limit was set", hit.t);
+    if (hit.cells > 1) fail("more cells than there are", hit.t);
+
+    const Wide dx = static_cast<Wide>(spacing.x), dy = static_cast<Wide>(spacing.y);
+    const Wide u0 = (static_cast<Wide>(a.x) - static_cast<Wide>(origin.x)) / dx,
+               u1 = (static_cast<Wide>(b.x) - static_cast<Wide>(origin.x)) / dx;
+    const Wide v0 = (static_cast<Wide>(a.y) - static_cast<Wide>(origin.y)) / dy,
+               v1 = (static_cast<Wide>(b.y) - static_cast<Wide>(origin.y)) / dy;
+    const Wide za = static_cast<Wide>(a.z), zb = static_cast<Wide>(b.z);
+    const Wide p00 = static_cast<Wide>(p.p00), p10 = static_cast<Wide>(p.p10), p01 = static_cast<Wide>(p.p01),
+               p11 = static_cast<Wide>(p.p11);
+    const auto f = [&](Wide t) {
+        const Wide u = u0 + t * (u1 - u0), v = v0 + t * (v1 - v0);
+        return (1 - t) * za + t * zb - ((1 - v) * ((1 - u) * p00 + u * p10) + v * ((1 - u) * p01 + u * p11));
+    };
+    const Wide e = eps<double>;
+    const Wide high =
+        std::max(std::max(std::abs(p00), std::abs(p10)), std::max(std::abs(p01), std::abs(p11)));
+    const Wide mu = std::max(std::abs(p10 - p00), std::abs(p11 - p01)),
+               mv = std::max(std::abs(p01 - p00), std::abs(p11 - p10));
+    const Wide place_u = 1 + std::abs(u0) + std::abs(u1) +
+                         (std::abs(static_cast<Wide>(a.x)) + std::abs(static_cast<Wide>(b.x))) / dx;
+    const Wide place_v = 1 + std::abs(v0) + std::abs(v1) +
+                         (std::abs(static_cast<Wide>(a.y)) + std::abs(static_cast<Wide>(b.y))) / dy;
+    // A time is good to ε · place / |Δu|, at which the height of the segment has changed by |Δz| times that.
+    const Wide climb = std::abs(zb - za);
+    const Wide du = std::abs(u1 - u0), dv = std::abs(v1 - v0);
+    Wide when = 1;
+    if (du > 0) when = std::max(when, place_u / du);
+    if (dv > 0) when = std::max(when, place_v / dv);
+    when = std::min(when, 1 / e);
+    const Wide square_root_of_least =
+        0x1p-500L; // a quadratic of heights smaller than this has no discriminant
+    const Wide blur =
+        square_root_of_least +
+        16 * e * (std::abs(za) + std::abs(zb) + high + mu * place_u + mv * place_v + climb * when);
+
+    // The part over the cell.
+    Wide t_in = 0, t_out = 1;
+    const auto clip = [&](Wide from, Wide by) {
+        if (by == 0) return from >= 0 && from <= 1;
+        t_in = std::max(t_in, std::min(-from / by, (1 - from) / by));
+        t_out = std::min(t_out, std::max(-from / by, (1 - from) / by));
+        return t_in <= t_out;
+    };
+    const bool over = clip(u0, u1 - u0) && clip(v0, v1 - v0);
+    const Wide slack = 16 * e * when; // of t
+    if (!over) {
+        if (hit.status == HitStatus::hit && !(t_in <= t_out + slack)) fail("hit beside the cell", hit.t);
+        return;
+    }
+    // The sides in order: at the ends, at the turn between them.
+    const Wide bend = -(u1 - u0) * (v1 - v0) * (p11 - p10 - p01 + p00);
+    const Wide slope_0 = f(1) - f(0) - bend;
+    std::array<Wide, 3> times{t_in, t_out, t_out};
+    if (bend != 0) times[1] = std::clamp(-slope_0 / (2 * bend), t_in, t_out);
+    if (hit.status == HitStatus::hit) {
+        const Wide t = static_cast<Wide>(hit.t);
+        if (!(hit.point.u >= 0 && hit.point.u <= 1 && hit.point.v >= 0 && hit.point.v <= 1))
+            fail("hit outside the cell", hit.t);
+        if (t < t_in - slack || t > t_out + slack) fail("hit when not over the cell", hit.t);
+        if (std::abs(f(t)) > blur) fail("hit off the surface", hit.t);
+        if (kind == SurfaceKind::solid && hit.side != Side::above) fail("a solid hit from below", hit.t);
+        const Wide sign = hit.side == Side::above ? 1 : -1;
+        // Before it there is nothing but the side it came from; a solid may have been left first.
+        bool seen_side = kind == SurfaceKind::sheet;
+        for (int n = 0; n <= 16; ++n) {
+            const Wide s = t_in + (t - t_in) * n / 16;
+            if (sign * f(s) > blur) seen_side = true;
+            if (seen_side && sign * f(s) < -blur)
+                fail("an earlier crossing was passed over", static_cast<double>(s));
+        }
+    } else {
+        Side side = Side::none;
+        for (const Wide t : times) {
+            const Wide here = f(t);
+            if (std::abs(here) <= blur) continue;
+            const Side now = here > 0 ? Side::above : Side::below;
+            const bool crossed = side != Side::none && now != side;
+            if (crossed && (kind == SurfaceKind::sheet || now == Side::below))
+                fail("a crossing was missed", static_cast<double>(t));
+            side = now;
+        }
+        if (t_in == 0 && t_out == 1 && u0 > 0 && u0 < 1 && v0 > 0 && v0 < 1 && u1 > 0 && u1 < 1 && v1 > 0 &&
+            v1 < 1 && std::abs(f(1)) > blur && hit.side != (f(1) > 0 ? Side::above : Side::below))
+            fail("on the wrong side at the end", 1);
+    }
+}
+
+template <Real T>
+void check(Bytes& bytes) {
+    // The products of the solver are of the sixth degree in metres; these stay clear of overflow in either scalar.
+    const bool extreme = sizeof(T) == 8 && bytes.flag();
+    Numbers<T> height{bytes, extreme ? T(1e30) : T(1e5)};
+    BilinearPatch<T> p;
+    p.spacing = {static_cast<T>(std::pow(10.0, bytes.whole(-12, 12) / 8.0)),
+                 static_cast<T>(std::pow(10.0, bytes.whole(-12, 12) / 8.0))};
+    if (bytes.flag()) p.spacing = vec2<T>{static_cast<T>(bytes.whole(1, 64))};
+    p.p00 = height(), p.p10 = height(), p.p01 = height(), p.p11 = height();
+
+    const auto parameter = [&] {
+        return bytes.flag() ? static_cast<T>(bytes.share()) : Numbers<T>{bytes, T(1e6)}();
+    };
+    CellPoint<T> query{parameter(), parameter(), T(0)};
+    switch (bytes.byte() % 3) {
+    case 0: query.z = height(); break;
+    case 1: query.z = p.height(std::clamp(query.u, T(0), T(1)), std::clamp(query.v, T(0), T(1))); break;
+    default: // near the surface, for its size
+        query.z = p.height(T(0.5), T(0.5)) +
+                  static_cast<T>(bytes.small() * std::pow(10.0, bytes.whole(-6, 3))) * p.spacing.x;
+    }
+    const vec2<T> start{static_cast<T>(bytes.share()), static_cast<T>(bytes.share())};
+    check_closest(Case<T>{p, query}, start);
+
+    // The segment between two points in cells, in the world.
+    const glm::dvec2 origin{bytes.flag() ? bytes.small() * 1e5 : 0, bytes.flag() ? bytes.small() * 1e5 : 0};
+    const auto end = [&] {
+        const double u = bytes.flag() ? bytes.share() : bytes.small() / 16,
+                     v = bytes.flag() ? bytes.share() : bytes.small() / 16;
+        const double z = bytes.flag()
+                             ? static_cast<double>(height())
+                             : static_cast<double>(p.height(std::clamp(static_cast<T>(u), T(0), T(1)),
+                                                            std::clamp(static_cast<T>(v), T(0), T(1)))) +
+                                   bytes.small();
+        return glm::dvec3{origin.x + u * static_cast<double>(p.spacing.x),
+                          origin.y + v * static_cast<double>(p.spacing.y), z};
+    };
+    const glm::dvec3 a = end();
+    glm::dvec3 b = end();
+    if (bytes.flag()) b.x = a.x;
+    if (bytes.flag()) b.y = a.y;
+    check_hit(p, a, b, origin, bytes.flag() ? SurfaceKind::sheet : SurfaceKind::solid);
+}
+
+} // namespace
+} // namespace hfh::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    hfh::fuzz::Bytes bytes{data, size};
+    if (bytes.flag()) {
+        hfh::fuzz::check<double>(bytes);
+    } else {
+        hfh::fuzz::check<float>(bytes);
+    }
+    return 0;
+}
