@@ -35,9 +35,9 @@ struct TrackerState {
 ///
 /// Two modes. *Free*: the segment from the last stylus position to this one is cast; the first crossing is the
 /// first contact. *Touching*: the proxy slides downhill from where it was to the local closest point. While the
-/// stylus is inside ((proxy − stylus)·normal > 0) the contact holds. When it is not, the segment proxy → stylus
-/// is cast before the proxy is freed, for the stylus can have left one face and be below another already; a
-/// crossing on it is a new contact in the same update (the paper frees at once).
+/// stylus is inside (proxy − stylus points out of the surface) the contact holds. When it is not, the segment
+/// proxy → stylus is cast before the proxy is freed, for the stylus can have left one face and be below another
+/// already; a crossing on it is a new contact in the same update (the paper frees at once).
 ///
 /// On a solid without holes, for a stylus that was outside once and stays over the grid: never free while below the
 /// surface. In contact no patch at the proxy has a descent direction. A stylus that starts below the surface,
