@@ -224,7 +224,7 @@ private:
         terrain_.at(i, j) = height;
     }
 
-    /// NaN, infinity, and numbers of cells that no double counts: nothing is felt, nothing changes.
+    /// NaN, infinity, numbers of cells that no double counts, heights whose squares are no numbers: nothing is felt, nothing changes.
     void refused() {
         constexpr std::array<T, 5> bad{std::numeric_limits<T>::quiet_NaN(),
                                        std::numeric_limits<T>::infinity(),
@@ -234,7 +234,6 @@ private:
         const T value = bad[which % bad.size()];
         vec3<T> at = stylus_;
         (where == 0 ? at.x : where == 1 ? at.y : at.z) = value;
-        if (where == 2 && is_finite(value)) return; // a height may be any number
         events_.push_back({Event<T>::update, at});
         const auto before = bits(tracker_.state());
         const Contact<T> c = tracker_.update(at);
@@ -396,8 +395,11 @@ private:
             8 * eps<T> * length(penetration) + std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()))) {
             fail("depth is not the length of penetration", c);
         }
+        // What counts as wrong for a distance.
+        const Wide wrong = (sizeof(T) == 8 ? 1e-12L : 4e-6L) *
+                           surface_.patch(at.i, at.j)->reach(surface_.seen_from(q, at.i, at.j));
         if (c.status == ContactStatus::contact && c.depth > 0 && !too_steep() &&
-            sign * dot(offset, n) < -16 * blur && !goes_in(proxy, q, sign))
+            sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
         if (before.touching) {
@@ -410,7 +412,7 @@ private:
         }
         if (c.status == ContactStatus::contact) {
             // Along the surface the proxy may be off by what the gradient does not resolve; across it not.
-            if (!(c.depth > 0) && !too_steep() && std::abs(dot(offset, n)) > 64 * blur)
+            if (!(c.depth > 0) && !too_steep() && std::abs(dot(offset, n)) > wrong)
                 fail("in contact without penetration", c);
             if (!hair_from_border(at) && surface_.template fall<T>(at, q) > 64) fail("a patch leads down", c);
         }
