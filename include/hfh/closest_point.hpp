@@ -173,7 +173,7 @@ template <Real T>
     const T slope = along_v ? f.fuu * f.fv - f.fuv * f.fu : f.fvv * f.fu - f.fuv * f.fv;
     const T curvature = std::max(std::abs(f.determinant), epsilon<T> * stiff * stiff);
     T step = std::clamp(from - slope / curvature, T(0), T(1)) - from;
-    for (int halving = 0; halving < 8; ++halving, step /= 2) {
+    for (int halving = 0; halving < 16; ++halving, step /= 2) {
         const T to = std::clamp(from + step, T(0), T(1));
         const vec2<T> floor = along_v ? vec2<T>{distance.best_u(to), to} : vec2<T>{to, distance.best_v(to)};
         if (distance.change(f, floor.x - at.x, floor.y - at.y) < gain) {
