@@ -96,37 +96,46 @@ template <Real T>
 
 /// Nanoseconds a query of each method. Batch after batch of independent queries, back to back, a batch being too long
 /// for a branch predictor to learn; the methods take turns at a batch, in another order each round, so that none
-/// profits from what comes before it; of each method and batch the quickest of the rounds counts.
+/// profits from what comes before it. The clock is read every slice of a batch, and of each method and slice the
+/// quickest of the rounds counts: a slice is short enough to pass undisturbed on a busy machine.
 template <Real T>
 [[nodiscard]] std::vector<double> timed(const std::vector<std::unique_ptr<Method<T>>>& all,
                                         const std::vector<Query<T>>& queries, int rounds) {
     using Clock = std::chrono::steady_clock;
     using Nanoseconds = std::chrono::duration<double, std::nano>;
-    constexpr std::size_t batch = 10000;
+    constexpr std::size_t slice = 500, batch = 20 * slice;
+    const std::size_t slices = (queries.size() + slice - 1) / slice;
+    std::vector<std::vector<double>> quickest(
+        all.size(), std::vector<double>(slices, std::numeric_limits<double>::max()));
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     hfh::test::Random random{41};
     for (const auto& method : all) method->run(queries, 0, queries.size());
-    std::vector<double> sum(all.size(), 0.0);
     for (std::size_t first = 0; first < queries.size(); first += batch) {
         const std::size_t last = std::min(first + batch, queries.size());
-        std::vector<double> quickest(all.size(), std::numeric_limits<double>::max());
         for (int round = 0; round < rounds; ++round) {
             for (std::size_t k = order.size() - 1; k > 0; --k) {
                 const auto other = random.whole(0, static_cast<std::int64_t>(k));
                 std::swap(order[k], order[static_cast<std::size_t>(other)]);
             }
             for (const std::size_t m : order) {
-                const auto from = Clock::now();
-                all[m]->run(queries, first, last);
-                const double took = Nanoseconds(Clock::now() - from).count();
-                quickest[m] = std::min(quickest[m], took);
+                auto before = Clock::now();
+                for (std::size_t from = first; from < last; from += slice) {
+                    all[m]->run(queries, from, std::min(from + slice, last));
+                    const auto now = Clock::now();
+                    double& least = quickest[m][from / slice];
+                    least = std::min(least, Nanoseconds(now - before).count());
+                    before = now;
+                }
             }
         }
-        for (std::size_t m = 0; m < all.size(); ++m) sum[m] += quickest[m];
     }
-    for (double& s : sum) s /= static_cast<double>(queries.size());
-    return sum;
+    std::vector<double> times;
+    for (const auto& of_slices : quickest) {
+        times.push_back(std::accumulate(of_slices.begin(), of_slices.end(), 0.0) /
+                        static_cast<double>(queries.size()));
+    }
+    return times;
 }
 
 /// Measures all methods in T on one set. The answers that are judged are those of the last timed round.
