@@ -148,14 +148,15 @@ private:
         {steps_to_exact(gentle), steps_to_exact(steep), wrong(steep_deep, Family::paper, 8),
          wrong(hard_deep, Family::paper, 8), wrong(steep_deep, Family::paper, 64),
          wrong(hard_deep, Family::paper, 64)});
-    return out + filled("Vertical projection costs {} ns and is off by up to {} cells on steep ground at a "
-                        "tenth of a cell "
-                        "deep; two triangles are off by {}, and their normal by {}° there and {}° on gentle "
-                        "ground (all: "
-                        "99.9 %).\n\n",
-                        {text("%.1f", vertical.nanoseconds), text("%.1g", vertical.distance.most),
-                         text("%.1g", triangles.distance.most), text("%.0f", triangles.angle.most),
-                         text("%.0f", figures_of(gentle, Family::triangles).angle.most)});
+    return out +
+           filled("Vertical projection costs {} ns and is off by up to {} cells on steep ground within a "
+                  "tenth of a cell of it; two triangles are off by {}, and their normal by {}° there and {}° "
+                  "on gentle "
+                  "ground (all: "
+                  "99.9 %).\n\n",
+                  {text("%.1f", vertical.nanoseconds), text("%.1g", vertical.distance.most),
+                   text("%.1g", triangles.distance.most), text("%.0f", triangles.angle.most),
+                   text("%.0f", figures_of(gentle, Family::triangles).angle.most)});
 }
 
 } // namespace
