@@ -421,3 +421,36 @@ TEMPLATE_TEST_CASE("newton_closest_point: converges in shallow valleys that lie 
                            wide(c.patch, c.query)) <= 64);
     }
 }
+
+TEMPLATE_TEST_CASE("newton_closest_point: does not take a badly rounded step for an arrival",
+                   "[closest_point][hard][regression]", float, double) {
+    // Nearly plane and steep (12 to 45 per cell): Newton's equations are ill-conditioned, and the rounding of their
+    // solution leaves more of F_u and F_v than what the step leaves in theory. Each once ended a step too early, a
+    // hundred ulp-scales off or where a second call moved on.
+    using T = TestType;
+    const double found[][11] = {
+        {1225.4008739082897, 262.80407676711604, 1291.2254519426215, 328.62865480144774, 77.034429600615823,
+         14.516478819700884, -0.059813058362843577, 0.71020057902405143, 1251.3911596032201,
+         0.87524877290965419, 0.8259073670253122},
+        {0.058129398352298405, 0.47879869637200084, 0.10448365165553176, 0.52515294967523429,
+         0.073833440538977654, 0.0096280723329862129, 0.10413840988258932, 0.98768844438661829,
+         0.1477231503678719, 0.70213151745940316, 0.35573916708375264},
+        {3.8182641886416793, 0.23634729843338198, 1.3118002755937883, -2.2701166146145089,
+         0.16187704750695867, 0.022307358044505281, 0.66464415035535396, 0.37235193422853202,
+         0.51140351544704588, 0, 0.018779320690398671},
+    };
+    for (const auto& d : found) {
+        Case<T> c;
+        c.patch = {T(d[0]), T(d[1]), T(d[2]), T(d[3]), {T(d[4]), T(d[5])}};
+        c.query = {T(d[6]), T(d[7]), T(d[8])};
+        c.start = {T(d[9]), T(d[10])};
+        const auto foot = newton_closest_point(c.patch, c.query, c.start);
+        INFO(describe(c));
+        CHECK(foot.status == NewtonStatus::converged);
+        CHECK(fall_into<T>(wide(c.patch), static_cast<Wide>(foot.u), static_cast<Wide>(foot.v),
+                           wide(c.patch, c.query)) <= 64);
+        const auto again = newton_closest_point(c.patch, c.query, {foot.u, foot.v});
+        CHECK(again.u == foot.u);
+        CHECK(again.v == foot.v);
+    }
+}

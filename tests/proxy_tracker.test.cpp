@@ -316,6 +316,21 @@ TEMPLATE_TEST_CASE("ProxyTracker: slides off the rim of a hole, and says so", "[
     CHECK(tracker.update({T(8), T(6), T(-0.5)}).status == ContactStatus::contact);
 }
 
+TEMPLATE_TEST_CASE("ProxyTracker: across a hole in one update it lets go, and is buried beyond",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    auto ground = plane<T>(13, 13);
+    ground.remove(6, 6); // no patch over 5..7 × 5..7
+    const auto grid = ground.grid();
+    ProxyTracker tracker{grid};
+    CHECK(tracker.update({T(4), T(6), T(1)}).status == ContactStatus::free);
+    CHECK(tracker.update({T(4), T(6), T(-1)}).status == ContactStatus::contact);
+    const vec3<T> beyond{T(8.5), T(6), T(-1)};
+    CHECK(tracker.update(beyond).status == ContactStatus::left_at_hole);
+    CHECK_FALSE(tracker.state().touching);
+    CHECK(tracker.update(beyond).status == ContactStatus::buried);
+}
+
 TEMPLATE_TEST_CASE("ProxyTracker: pinned at the rim it holds while the stylus is over the grid",
                    "[proxy_tracker]", float, double) {
     using T = TestType;
@@ -419,13 +434,13 @@ TEMPLATE_TEST_CASE("ProxyTracker: refuses positions that are no positions, its s
                 CHECK(c.status == ContactStatus::bad_input);
                 CHECK_FALSE(c.touching());
                 CHECK(force(c).newtons == vec3<T>{T(0)});
-                CHECK(bits(tracker) == before);
+                CHECK((bits(tracker) == before));
             }
         }
         for (const T bad : {nan, inf, -inf}) {
             const auto before = bits(tracker);
             CHECK(tracker.update({T(8), T(8), bad}).status == ContactStatus::bad_input);
-            CHECK(bits(tracker) == before);
+            CHECK((bits(tracker) == before));
         }
     };
     refuse_all(); // before the first position

@@ -84,6 +84,7 @@ private:
             return "not finite";
         }
         if (c.status == ContactStatus::bad_input) return "refused";
+        if (c.touching() != tracker.state().touching) return "the state remembers something else";
         if (c.touching()) {
             const WideSurfacePoint at = wide(c.point);
             if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) return "proxy outside its cell";
