@@ -96,3 +96,14 @@ TEST_CASE("newton_closest_point: goes to a border that is a denormal away",
     CHECK(foot.u == 0);
     CHECK(foot.v == 0);
 }
+
+TEMPLATE_TEST_CASE("newton_closest_point: a level edge of a steep patch is level",
+                   "[closest_point][regression][!mayfail]", float, double) {
+    // Along u = 1 nothing rises, so v is the query's. The slope there was the one at u = 0 plus the twist, which had been
+    // rounded to the steepness along u.
+    const BilinearPatch<TestType> patch{0, -256, TestType(2.25067139e-4), -256, {10, 1}};
+    const CellPoint<TestType> query{TestType(-1.8828125), TestType(0.3828125), TestType(-482)};
+    const auto foot = newton_closest_point(patch, query, {TestType(1), TestType(0.5)});
+    CHECK(foot.u == 1);
+    CHECK(std::abs(foot.v - query.v) < 64 * epsilon<TestType>);
+}
