@@ -98,7 +98,7 @@ def parts(machine, lines):
         if name.split("/")[0] != part:
             part = name.split("/")[0]
             columns = [c for c in counters if any(c in lines[n] for n in names if n.startswith(part + "/"))]
-            out += ["", "| | ns | " + "".join(f"{counters[c]} | " for c in columns).rstrip(),
+            out += ["", "| | ns | " + "".join(f"{counters[c]} | " for c in columns).rstrip(" "),
                     "|---|--:|" + "--:|" * len(columns)]
         cells = "".join(f" {line[c]:.3g} |" if c in line else " |" for c in columns)
         out.append(f"| `{name}` | {line['median_ns']:.3g} |{cells}" if line["median_ns"] < 100
