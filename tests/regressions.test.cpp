@@ -1,6 +1,9 @@
 #include "catch.hpp"
 #include "support/reference.hpp"
 #include "support/terrains.hpp"
+#if defined(HFH_TOUCH_TERRAIN)
+#include "touch_terrain_files.hpp"
+#endif
 
 #include <hfh/hfh.hpp>
 
@@ -107,3 +110,18 @@ TEMPLATE_TEST_CASE("newton_closest_point: a level edge of a steep patch is level
     CHECK(foot.u == 1);
     CHECK(std::abs(foot.v - query.v) < 64 * epsilon<TestType>);
 }
+
+#if defined(HFH_TOUCH_TERRAIN)
+TEST_CASE("touch_terrain: refuses a header's spacing that makes no grid",
+          "[touch_terrain][regression][!mayfail]") {
+    // Finite and above zero, and yet 1/dx or dx·dy is no number: the demo ran and felt nothing.
+    const touch_terrain_tests::Folder folder;
+    for (const std::string spacing : {"CELLSIZE 1e-320", "CELLSIZE 1e200", "XDIM 1e-200\nYDIM 1e-200"}) {
+        CAPTURE(spacing);
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\n" + spacing + "\n");
+        folder.text("t.bil", "abcd");
+        folder.text("p.csv", "t,x,y,z\n0,0,0,200\n1,0,0,0\n");
+        CHECK(folder.run("t.bil --path p.csv").code == 2);
+    }
+}
+#endif
