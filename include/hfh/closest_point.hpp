@@ -31,6 +31,8 @@ struct NewtonOptions {
     /// gain downhill. With 8, 0.016 % are of those 1 to 5 cells below steep alpine ground and 0.18 % of those below
     /// cells of relief 1 to 1000; with 4, 0.9 % and 8 %; with 2, 20 % of both. In shallow contact, up to 0.1 cells,
     /// 2 are exact on gentle ground (8 m cells) and 3 on steep. Fewer save next to nothing: it stops by itself.
+    /// In float, on cells of relief above 100, the resolution of F_u and F_v can end it in a valley: 4 % of the
+    /// shallow queries on relief 1 to 1000, none on the real terrains.
     int max_iterations = 64;
 };
 
@@ -201,9 +203,6 @@ template <Real T>
                                                    const NewtonOptions& options = {}) noexcept {
     const DistanceFunction<T> distance{patch, query};
     NewtonResult<T> foot{start.x, start.y};
-    NewtonResult<T> last = foot;
-    T last_residual = std::numeric_limits<T>::max();
-    bool at_resolution = false; // the last step was an ulp or two of u and v
     for (;; ++foot.iterations) {
         const auto f = distance(foot.u, foot.v);
         foot.gap = f.z;
@@ -221,17 +220,10 @@ template <Real T>
         }
         if (ended) return foot;
 
-        // Steps of the last bits are kept only while they still help, so that they cannot go round in circles
-        // and a stylus that rests leaves the proxy at rest.
-        const T residual = (free_u ? f.fu * f.fu * f.fvv : T(0)) + (free_v ? f.fv * f.fv * f.fuu : T(0));
-        if (at_resolution && residual >= last_residual) return last;
         if (foot.iterations == options.max_iterations) {
             foot.status = NewtonStatus::iteration_limit;
             return foot;
         }
-        last = foot;
-        last_residual = residual;
-
         vec2<T> next{foot.u, foot.v};
         const bool inside = !held_u && !held_v;
         const auto step =
@@ -248,7 +240,6 @@ template <Real T>
             }
         }
         if (next.x == foot.u && next.y == foot.v) return foot; // below the resolution of u and v
-        at_resolution = std::max(std::abs(next.x - foot.u), std::abs(next.y - foot.v)) <= 4 * epsilon<T>;
         foot.u = next.x;
         foot.v = next.y;
     }

@@ -17,7 +17,7 @@ namespace hfh {
 struct TrackerOptions {
     SurfaceKind surface = SurfaceKind::solid;
     /// Work allowed in one update, in patches (about 10-60 ns each). A sweep or a descent that needs more goes on
-    /// in the next update, and the status says so; no surface is passed over for it.
+    /// in the next update, from where it came to towards wherever the stylus is then, and the status says so.
     int max_patches = 8192;
 };
 
