@@ -412,8 +412,11 @@ private:
             }
         }
         if (c.status == ContactStatus::contact) {
-            // Along the surface the proxy may be off by what the gradient does not resolve; across it not.
-            if (!(c.depth > 0) && !too_steep() && std::abs(dot(offset, n)) > wrong)
+            // Along the surface the proxy may be off by what the gradient does not resolve; across it not. A stylus on
+            // the surface may be in contact from afar, with nothing felt.
+            const Wide inwards = sign * dot(offset, n);
+            if (!(c.depth > 0) && !too_steep() &&
+                (inwards > wrong || (inwards < -wrong && std::abs(above_) > 64 * blur)))
                 fail("in contact without penetration", c);
             if (!hair_from_border(at) && !rounded_twist(at) && surface_.template fall<T>(at, q) > 64)
                 fail("a patch leads down", c);
