@@ -312,7 +312,7 @@ private:
         const auto under = surface_.under(
             q.x, q.y, 1e-12L * (1 + std::abs(surface_.column_of(q.x)) + std::abs(surface_.row_of(q.y))));
         // Where a proxy was let go, sides are decided from its place: a few roundings of the scalar.
-        const Wide tolerance = under ? 32 * surface_.blur(*under, q, eps<T>) : 0;
+        const Wide tolerance = under ? 32 * blur_around(*under, q) : 0;
         const Wide above = under ? q.z - surface_.patch(under->i, under->j)->height(under->u, under->v) : 0;
         above_ = above;
         const Memory was = memory_;
@@ -399,7 +399,7 @@ private:
         // What counts as wrong for a distance.
         const Wide wrong = (sizeof(T) == 8 ? 1e-12L : 4e-6L) *
                            surface_.patch(at.i, at.j)->reach(surface_.seen_from(q, at.i, at.j));
-        if (c.status == ContactStatus::contact && c.depth > 0 && !too_steep() &&
+        if (c.status == ContactStatus::contact && c.depth > 0 && !too_steep(at) &&
             sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
@@ -415,7 +415,7 @@ private:
             // Along the surface the proxy may be off by what the gradient does not resolve; across it not. A stylus on
             // the surface may be in contact from afar, with nothing felt.
             const Wide inwards = sign * dot(offset, n);
-            if (!(c.depth > 0) && !too_steep() &&
+            if (!(c.depth > 0) && !too_steep(at) &&
                 (inwards > wrong || (inwards < -wrong && std::abs(above_) > 64 * blur)))
                 fail("in contact without penetration", c);
             if (!hair_from_border(at) && !rounded_twist(at) && surface_.template fall<T>(at, q) > 64)
@@ -456,8 +456,22 @@ private:
         return open.rounded_twist && found;
     }
     /// Where float does not resolve the way along a cliff, the proxy may stop level with the stylus.
-    [[nodiscard]] bool too_steep() const {
-        return open.level_on_a_cliff && sizeof(T) == 4 && relief_ > 2 * stride_;
+    [[nodiscard]] bool too_steep(const WideSurfacePoint& s) const {
+        bool found = false;
+        surface_.each_patch_at(s, [&](const test::WidePatch& p, Wide, Wide, Index, Index) {
+            found = found || p.highest() - p.lowest() > 2 * std::min(p.dx, p.dy);
+        });
+        return open.level_on_a_cliff && sizeof(T) == 4 && found;
+    }
+    /// How uncertain the height over q is: so near a line that the next cell may count as well.
+    [[nodiscard]] Wide blur_around(const WideSurfacePoint& s, const Point& q) const {
+        Wide blur = 0;
+        for (Index j = s.j - 1; j <= s.j + 1; ++j) {
+            for (Index i = s.i - 1; i <= s.i + 1; ++i) {
+                if (surface_.patch(i, j)) blur = std::max(blur, surface_.blur({i, j, 0, 0}, q, eps<T>));
+            }
+        }
+        return blur;
     }
     /// Over a patch and not on its rim.
     [[nodiscard]] bool strictly_over(const Point& q) const {
