@@ -399,7 +399,7 @@ private:
         // What counts as wrong for a distance.
         const Wide wrong = (sizeof(T) == 8 ? 1e-12L : 4e-6L) *
                            surface_.patch(at.i, at.j)->reach(surface_.seen_from(q, at.i, at.j));
-        if (c.status == ContactStatus::contact && c.depth > 0 && !too_steep(at) &&
+        if (c.status == ContactStatus::contact && c.depth > 0 && !too_steep(at) && !hair_from_border(at) &&
             sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
