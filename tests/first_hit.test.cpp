@@ -515,12 +515,12 @@ TEMPLATE_TEST_CASE("first_hit: a segment that leaves the surface meets what lies
                 CAPTURE(z - 2, x, y);
                 // z = 2 + (x' − x)/(9.5 − x) meets 2 + 4·(x' − 6).
                 const double t = (6 - x) * 4 / (4 * (9.5 - x) - 1);
-                const FirstHitOptions above{.side = Side::above, .leaves_surface = true};
+                const FirstHitOptions above{.side = Side::above, .leaves_within = 0};
                 const auto met = first_hit(up.grid(), dvec3{x, y, z}, dvec3{9.5, y, 3}, above);
                 CHECK(met.status == HitStatus::hit);
                 CHECK(met.t == Approx(t).margin(16 * eps));
                 const FirstHitOptions below{
-                    .surface = SurfaceKind::sheet, .side = Side::below, .leaves_surface = true};
+                    .surface = SurfaceKind::sheet, .side = Side::below, .leaves_within = 0};
                 const auto under = first_hit(down.grid(), dvec3{x, y, -z}, dvec3{9.5, y, -3}, below);
                 CHECK(under.status == HitStatus::hit);
                 CHECK(under.side == Side::below);

@@ -332,16 +332,6 @@ bool same(const Contact<T>& a, const Contact<T>& b) {
            a.point.u == b.point.u && a.point.v == b.point.v;
 }
 
-/// Whether an update of the tracker can tell the sides in T. On a face of slope s the offset's z is depth/s, and
-/// known to 8 ε s cells: in float, from slope 3000 on, the side of a stylus half a cell deep is a matter of rounding.
-template <Real T>
-bool tells_sides(const Terrain<T>& terrain) {
-    if (std::is_same_v<T, double>) return true;
-    T low = terrain.heights.front(), high = low;
-    for (const T h : terrain.heights) low = std::min(low, h), high = std::max(high, h);
-    return !(static_cast<double>(high - low) > 3000 * terrain.frame.spacing.x);
-}
-
 constexpr TrackerOptions solid{};
 constexpr TrackerOptions sheet{.surface = SurfaceKind::sheet};
 
@@ -497,7 +487,6 @@ TEMPLATE_TEST_CASE("hard cases: the tracker keeps its promises along the path, t
                    "[hard][proxy_tracker]", float, double) {
     using T = TestType;
     each_case<T>([](const auto& c) {
-        if (!tells_sides(c.terrain)) return;
         for (const auto& options : {solid, sheet}) {
             CAPTURE(int(options.surface));
             ForceWitness<T> watch{c.terrain, options};
@@ -558,11 +547,48 @@ TEMPLATE_TEST_CASE("hard cases: a stylus that stands still for 100,000 updates m
     });
 }
 
+TEMPLATE_TEST_CASE("hard cases: on faces of every steepness a stylus inside is pushed at every update",
+                   "[hard][proxy_tracker][regression]", float, double) {
+    // On a face of slope s the offset's z is depth/s, so that its sign is lost in rounding where the normal's is not.
+    using T = TestType;
+    for (const double slope : {30.0, 100.0, 1000.0, 3000.0, 10000.0}) {
+        for (const double depth : {0.01, 0.1, 0.5}) {
+            CAPTURE(slope, depth);
+            const auto wall = terrain<T>(9, 7, [=](Index i, Index) { return i < 4 ? 0.0 : slope; });
+            Witness<T> witness{wall};
+            const double x = 3.5, z = slope / 2;
+            (void)witness.update({T(x - 1), T(3.3), T(z)});
+            int lost = 0;
+            vec3<T> at{T(x + depth), T(3.3), T(z)};
+            for (int n = 0; n < 500; ++n) {
+                at.z = std::nextafter(at.z, std::numeric_limits<T>::max());
+                lost += !(witness.update(at).depth > 0);
+            }
+            CHECK(lost == 0);
+            CHECK(witness.first_fault == "");
+        }
+    }
+    // A pit of one sample, pressed into from all sides: on its creases two faces almost face each other. Float has no
+    // digits left there for a shallow contact from a depth of 200 cells on.
+    for (const double depth : {50.0, std::is_same_v<T, float> ? 100.0 : 10000.0}) {
+        CAPTURE(depth);
+        const auto ground = pit<T>(9, 9, depth);
+        Witness<T> witness{ground};
+        Random random{90};
+        (void)witness.update({T(4), T(4), T(1)});
+        for (int n = 0; n < 5000; ++n) {
+            (void)witness.update({static_cast<T>(4 + random.between(-0.6, 0.6)),
+                                  static_cast<T>(4 + random.between(-0.6, 0.6)),
+                                  static_cast<T>(-depth * random.unit())});
+        }
+        CHECK(witness.first_fault == "");
+    }
+}
+
 TEMPLATE_TEST_CASE("hard cases: a stylus that creeps by an ulp is never lost and feels no jump",
                    "[hard][proxy_tracker]", float, double) {
     using T = TestType;
     each_case<T>([](const auto& c) {
-        if (!tells_sides(c.terrain)) return;
         for (const auto& options : {solid, sheet}) {
             CAPTURE(int(options.surface));
             ForceWitness<T> watch{c.terrain, options};

@@ -55,6 +55,7 @@ template <Real T>
 struct DistanceFunction {
     T gap00;          ///< σ_z over corner 00
     T rise_u, rise_v; ///< slopes along u and v at that corner, metres per cell
+    T far_u, far_v;   ///< along u at v = 1, along v at u = 1
     T twist;          ///< Eq. (2)
     T dx2, dy2;       ///< dx², dy²
     T query_u, query_v;
@@ -62,20 +63,21 @@ struct DistanceFunction {
 
     DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
         : gap00{patch.p00 - query.z}, rise_u{patch.p10 - patch.p00}, rise_v{patch.p01 - patch.p00},
-          twist{patch.twist()}, dx2{patch.spacing.x * patch.spacing.x},
-          dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u}, query_v{query.v} {
+          far_u{patch.p11 - patch.p01}, far_v{patch.p11 - patch.p10}, twist{patch.twist()},
+          dx2{patch.spacing.x * patch.spacing.x}, dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u},
+          query_v{query.v} {
         // F_u = dx²(u − u_q) + σ_z·z_u. The product is good to a few roundings of the largest σ_z times the larger of
         // the two edge slopes; and u itself has steps of an ulp, each worth F_uu. Where the patch is level along u
         // there is neither: u = u_q is met to the bit.
-        const T steepest_u = std::max(std::abs(rise_u), std::abs(rise_u + twist));
-        const T steepest_v = std::max(std::abs(rise_v), std::abs(rise_v + twist));
+        const T steepest_u = std::max(std::abs(rise_u), std::abs(far_u));
+        const T steepest_v = std::max(std::abs(rise_v), std::abs(far_v));
         const T reach = std::abs(gap00) + steepest_u + steepest_v;
         noise_u = steepest_u > 0 ? 4 * epsilon<T> * (dx2 + steepest_u * reach) : T(0);
         noise_v = steepest_v > 0 ? 4 * epsilon<T> * (dy2 + steepest_v * reach) : T(0);
     }
 
-    [[nodiscard]] T slope_u(T v) const noexcept { return rise_u + v * twist; }
-    [[nodiscard]] T slope_v(T u) const noexcept { return rise_v + u * twist; }
+    [[nodiscard]] T slope_u(T v) const noexcept { return (T(1) - v) * rise_u + v * far_u; }
+    [[nodiscard]] T slope_v(T u) const noexcept { return (T(1) - u) * rise_v + u * far_v; }
     /// σ_z.
     [[nodiscard]] T gap(T u, T v) const noexcept { return gap00 + u * rise_u + v * slope_v(u); }
 

@@ -26,7 +26,12 @@ struct DescentResult {
     SurfacePoint<T> point{};
     vec3<T> offset{T(0)};    ///< surface point − query, in metres
     vec3<T> normal{0, 0, 1}; ///< unit, upward; the average over the patches that meet at the point
-    int patches = 0;         ///< patches looked at
+    /// > 0 if the query lies below the surface at the point, < 0 if above. The sign of offset·normal, as in §4.3.3
+    /// [P], but where the averaged normal can point anywhere: where patches that meet there disagree (their mean
+    /// normal is shorter than 3/4), a minimum is seen from below in a valley and from above on a ridge; at a rim the
+    /// sign of offset.z holds.
+    T outward = 0;
+    int patches = 0; ///< patches looked at
 };
 
 namespace detail {
@@ -38,6 +43,13 @@ struct Foothold {
     BilinearPatch<T> patch{};
     CellPoint<T> query{};
 };
+
+/// Surface point − query, in metres.
+template <Real T>
+[[nodiscard]] vec3<T> offset(const Foothold<T>& at) noexcept {
+    return {at.patch.spacing.x * (at.point.u - at.query.u), at.patch.spacing.y * (at.point.v - at.query.v),
+            DistanceFunction<T>{at.patch, at.query}.gap(at.point.u, at.point.v)};
+}
 
 /// A step to a neighbouring cell; {0, 0} stays.
 struct Neighbour {
@@ -120,17 +132,35 @@ template <HeightField Field, Real T>
     return around;
 }
 
-/// Unit normal at a surface point, averaged over the patches that meet there (§4.3.3 [P]).
+/// Sets normal and outward of a result whose point is `at`.
 template <HeightField Field, Real T>
-[[nodiscard]] vec3<T> averaged_normal(const Field& field, const Foothold<T>& at) noexcept {
-    vec3<T> normal = at.patch.normal(at.point.u, at.point.v);
-    const Neighbours neighbours{at.point.u, at.point.v};
-    if (neighbours.count == 0) return normal;
+void tell_side(const Field& field, const Foothold<T>& at, DescentResult<T>& result) noexcept {
+    const T u = at.point.u, v = at.point.v;
+    result.normal = at.patch.normal(u, v);
+    result.outward = glm::dot(result.offset, result.normal);
+    const Neighbours neighbours{u, v};
+    if (neighbours.count == 0) return;
+
+    int patches = 1;
+    T crease = 0; // by how much the slopes, in metres per metre, rise from one side of the point to the other
     for (const Neighbour n : neighbours) {
         const SurfacePoint<T> there = seen_from(n, at.point);
-        if (const auto patch = field.patch(there.cell)) normal += patch->normal(there.u, there.v);
+        const auto patch = field.patch(there.cell);
+        if (!patch) continue;
+        ++patches;
+        result.normal += patch->normal(there.u, there.v);
+        if (n.dj == 0)
+            crease += T(n.di) * (patch->slope_u(there.v) - at.patch.slope_u(v)) / at.patch.spacing.x;
+        if (n.di == 0)
+            crease += T(n.dj) * (patch->slope_v(there.u) - at.patch.slope_v(u)) / at.patch.spacing.y;
     }
-    return glm::normalize(normal);
+    const T sum = glm::length(result.normal);
+    result.normal /= sum;
+    const bool minimum = result.status == DescentStatus::minimum, rim = patches <= neighbours.count;
+    const bool agree = sum > T(0.75) * T(patches);
+    result.outward = minimum && rim                     ? result.offset.z
+                     : minimum && !agree && crease != 0 ? crease
+                                                        : glm::dot(result.offset, result.normal);
 }
 
 } // namespace detail
@@ -159,8 +189,17 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
     }
 
     detail::Foothold<T> at{start, *patch, field.lattice().locate(query, start.cell)};
+    T nearest = std::numeric_limits<T>::max();
+    int stalls = 0; // visits to a border without having come nearer
     for (;;) {
         if (on_border(at.point)) {
+            // Along a sharp crease two patches can hand the point back and forth for the last bits.
+            const vec3<T> offset = detail::offset(at);
+            const T squared = glm::dot(offset, offset);
+            stalls = squared < nearest ? 0 : stalls + 1;
+            nearest = std::min(nearest, squared);
+            if (stalls == 8) break;
+
             const T fall = detail::fall_into(at, {0, 0});
             const auto around = detail::look_around(field, query, at, fall);
             result.patches += around.patches;
@@ -191,10 +230,8 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
         }
     }
     result.point = at.point;
-    result.offset = {at.patch.spacing.x * (at.point.u - at.query.u),
-                     at.patch.spacing.y * (at.point.v - at.query.v),
-                     DistanceFunction<T>{at.patch, at.query}.gap(at.point.u, at.point.v)};
-    result.normal = detail::averaged_normal(field, at);
+    result.offset = detail::offset(at);
+    detail::tell_side(field, at, result);
     return result;
 }
 

@@ -23,7 +23,7 @@ namespace hfh {
 enum class HitStatus : unsigned char {
     hit,        ///< the segment crosses the surface at `t`
     miss,       ///< it does not
-    on_surface, ///< with `leaves_surface`: it did not get off the surface, but for rounding, and ends below
+    on_surface, ///< with `leaves_within`: it did not get off the surface, but for rounding, and ends below
     cell_limit  ///< neither up to `t`, where the allowed number of cells was used up
 };
 
@@ -41,9 +41,9 @@ struct FirstHitOptions {
     /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
-    /// a was computed to lie on the surface, and the segment leaves it on `side`. Until it has, what the rounding of
-    /// a makes of a height is no crossing, and if it makes a lie beside a rim, that is no hole.
-    bool leaves_surface = false;
+    /// ≥ 0: a was computed to lie on the surface, this many metres off it at the most, and the segment leaves it on
+    /// `side`. Until it has, nothing is a crossing, and if the rounding put a beside a rim that is no hole. < 0: no.
+    double leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet: so that
     /// going on from `t` with `side` gets on, and comes to the same end as one search.
     Index max_cells = std::numeric_limits<Index>::max();
@@ -82,7 +82,7 @@ template <HeightField Field>
     FirstHit<T> result;
     const bool sheet = options.surface == SurfaceKind::sheet;
     Side side = options.side;
-    bool leaving = options.leaves_surface, under = false;
+    bool leaving = options.leaves_within >= 0, under = false;
     double covered_to = 0;                 // up to here there was surface all along
     double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
 
@@ -137,7 +137,7 @@ template <HeightField Field>
             const glm::dvec2 step = span.out - span.in;
             const double rise = f1 + patch.twist() * step.x * step.y; // f'(0) from f₀ = 0
             f0 = 0;
-            if (side == Side::above ? rise <= 0 : rise >= 0) {
+            if ((side == Side::above ? rise : -rise) <= options.leaves_within) {
                 under = side == Side::above ? f1 < 0 : f1 > 0;
                 carried_f = 0;
                 return true;

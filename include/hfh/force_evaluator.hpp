@@ -26,8 +26,9 @@ struct ForceEvaluator {
     [[nodiscard]] constexpr Force<T> operator()(const Contact<T>& contact) const noexcept {
         const bool usable = is_finite(stiffness) && max_force >= 0 && is_finite(contact.depth);
         if (!contact.touching() || !usable) return {};
-        if (!(stiffness * contact.depth > max_force)) return {stiffness * contact.penetration, false};
-        return {contact.penetration * (max_force / contact.depth), true};
+        const bool clamped = stiffness * contact.depth > max_force;
+        const vec3<T> newtons = contact.penetration * (clamped ? max_force / contact.depth : stiffness);
+        return is_finite(newtons) ? Force<T>{newtons, clamped} : Force<T>{};
     }
 };
 

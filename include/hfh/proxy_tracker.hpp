@@ -112,6 +112,7 @@ private:
 
     /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus.
     void slide(const vec3<Scalar>& stylus, Contact<Scalar>& contact) noexcept {
+        Scalar nearest = std::numeric_limits<Scalar>::max();
         while (state_.touching) {
             const auto found =
                 descend(*field_, stylus, state_.proxy, std::max(1, options_.max_patches - contact.patches));
@@ -121,19 +122,20 @@ private:
                 leave(stylus, found.status, contact);
                 return;
             }
-            // At a local closest point the offset is normal to the surface, so its z tells the side. (The paper asks
-            // the averaged normal always, which at the bottom of a steep pit can point anywhere.)
             const bool minimum = found.status == DescentStatus::minimum;
-            const Scalar outward = minimum ? found.offset.z : glm::dot(found.offset, found.normal);
-            const bool inside = state_.side == Side::below ? outward < 0 : outward > 0;
-            if (inside || !minimum) {
+            const bool inside = state_.side == Side::below ? found.outward < 0 : found.outward > 0;
+            const Scalar squared = glm::dot(found.offset, found.offset);
+            const bool stalls =
+                !(squared < nearest); // a new contact as far as the last: one but for rounding
+            if (inside || !minimum || stalls) {
                 touch(stylus, found, inside, minimum, contact);
                 return;
             }
+            nearest = squared;
             // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
             const SurfacePoint<Scalar> left = state_.proxy;
             const auto way = sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
-                                   {.leaves_surface = true}, contact);
+                                   {.leaves_within = blur(stylus, found)}, contact);
             if (way == HitStatus::on_surface ||
                 (way == HitStatus::hit && contact.patches >= options_.max_patches)) {
                 state_.touching = true;
@@ -142,6 +144,16 @@ private:
                 return;
             }
         }
+    }
+
+    /// How far the rounding of a proxy may leave it off the surface: a few ulps of all heights and lengths it is made of.
+    [[nodiscard]] double blur(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) const noexcept {
+        Scalar size = std::abs(stylus.z) + std::abs(found.offset.x) + std::abs(found.offset.y) +
+                      std::abs(found.offset.z);
+        if (const auto patch = field_->patch(found.point.cell)) {
+            size += 2 * std::max(std::abs(patch->highest()), std::abs(patch->lowest()));
+        }
+        return static_cast<double>(16 * epsilon<Scalar> * size);
     }
 
     void touch(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found, bool inside, bool minimum,
