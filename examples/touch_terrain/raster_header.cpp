@@ -84,12 +84,13 @@ public:
         return static_cast<std::size_t>(at - words.begin());
     }
 
-    /// A finite number above zero, if the key is there.
+    /// A length as --spacing takes it, if the key is there.
     [[nodiscard]] std::optional<double> length(const std::string& key) const {
         const Entry* const entry = find(key);
         if (entry == nullptr) return std::nullopt;
         const auto value = parse_finite(entry->value);
-        if (!value || *value <= 0) refuse(key, "a finite number above 0");
+        if (!value || *value < 1e-12 || *value > 1e12)
+            refuse(key, "a finite number above 0, from 1e-12 to 1e12");
         return value;
     }
 

@@ -238,7 +238,8 @@ template <Real T>
             const T gain_u = distance.change(f, u - foot.u, T(0)),
                     gain_v = distance.change(f, T(0), v - foot.v);
             if (!inside || !detail::valley_step(distance, f, std::min(gain_u, gain_v), next)) {
-                next = gain_u <= gain_v ? vec2<T>{u, foot.v} : vec2<T>{foot.u, v};
+                const bool along_u = free_u && (!free_v || gain_u <= gain_v);
+                next = along_u ? vec2<T>{u, foot.v} : vec2<T>{foot.u, v};
             }
         }
         if (next.x == foot.u && next.y == foot.v) return foot; // below the resolution of u and v

@@ -27,10 +27,10 @@ using test::WideSurfacePoint;
 
 /// What fuzzing has found and is not mended yet: not reported again while true.
 struct Open {
-    bool loops = true;            ///< contact, release, contact at one point, until the work is used up
-    bool level_on_a_cliff = true; ///< float, on steep ground: the offset's z may tell the wrong side
-    bool rounded_twist = true;    ///< slopes at u = 1 and v = 1 are off by the rounding of the twist
-    bool hair_from_border = true; ///< a step of a denormal length gains nothing and is not taken
+    bool loops = false;            ///< contact, release, contact at one point, until the work is used up
+    bool level_on_a_cliff = false; ///< float, on steep ground: the offset's z may tell the wrong side
+    bool rounded_twist = false;    ///< slopes at u = 1 and v = 1 are off by the rounding of the twist
+    bool hair_from_border = false; ///< a step of a denormal length gains nothing and is not taken
 };
 constexpr Open open;
 
