@@ -146,14 +146,15 @@ private:
         }
     }
 
-    /// How far the rounding of a proxy may leave it off the surface: a few ulps of all heights and lengths it is made of.
+    /// How far the rounding of a proxy may leave it off the surface: some ulps, in the scalar, of the lengths that the
+    /// offset is made of, and in double of the heights to which it is added.
     [[nodiscard]] double blur(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) const noexcept {
-        Scalar size = std::abs(stylus.z) + std::abs(found.offset.x) + std::abs(found.offset.y) +
-                      std::abs(found.offset.z);
-        if (const auto patch = field_->patch(found.point.cell)) {
-            size += 2 * std::max(std::abs(patch->highest()), std::abs(patch->lowest()));
-        }
-        return static_cast<double>(16 * epsilon<Scalar> * size);
+        const vec3<Scalar>& offset = found.offset;
+        Scalar size = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z);
+        if (const auto patch = field_->patch(found.point.cell))
+            size += 2 * (patch->highest() - patch->lowest());
+        return static_cast<double>(8 * epsilon<Scalar> * size) +
+               8 * epsilon<double> * std::abs(static_cast<double>(stylus.z));
     }
 
     void touch(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found, bool inside, bool minimum,
