@@ -21,10 +21,9 @@
 namespace hfh {
 
 enum class HitStatus : unsigned char {
-    hit,        ///< the segment crosses the surface at `t`
-    miss,       ///< it does not
-    on_surface, ///< with `leaves_within`: it did not get off the surface, but for rounding, and ends below
-    cell_limit  ///< neither up to `t`, where the allowed number of cells was used up
+    hit,       ///< the segment crosses the surface at `t`
+    miss,      ///< it does not
+    cell_limit ///< neither up to `t`, where the allowed number of cells was used up
 };
 
 template <Real T>
@@ -139,6 +138,8 @@ template <HeightField Field>
             f0 = 0;
             if ((side == Side::above ? rise : -rise) <= options.leaves_within) {
                 under = side == Side::above ? f1 < 0 : f1 > 0;
+                result.t = span.t_in;
+                result.point = {span.cell, static_cast<T>(span.in.x), static_cast<T>(span.in.y)};
                 carried_f = 0;
                 return true;
             }
@@ -163,7 +164,14 @@ template <HeightField Field>
             f0 = 0;
         }
     });
-    if (leaving && under && covered_to == 1) result.status = HitStatus::on_surface;
+    if (leaving && result.status == HitStatus::miss) {
+        // It did not get off the surface: if it ends below, it met the next face within the rounding of a.
+        if (under && covered_to == 1) {
+            result.status = HitStatus::hit;
+        } else {
+            result.t = 1;
+        }
+    }
     if (result.status == HitStatus::miss) {
         if (covered_to < 1) {
             side = Side::none;

@@ -125,24 +125,18 @@ private:
             const bool minimum = found.status == DescentStatus::minimum;
             const bool inside = state_.side == Side::below ? found.outward < 0 : found.outward > 0;
             const Scalar squared = glm::dot(found.offset, found.offset);
-            const bool stalls =
-                !(squared < nearest); // a new contact as far as the last: one but for rounding
-            if (inside || !minimum || stalls) {
-                touch(stylus, found, inside, minimum, contact);
+            // Of a second face: as far as the last, it is the same but for rounding; or the work is used up.
+            const bool again = nearest < std::numeric_limits<Scalar>::max();
+            const bool stalls = again && !(squared < nearest);
+            const bool spent = again && contact.patches >= options_.max_patches;
+            if (inside || !minimum || stalls || spent) {
+                touch(stylus, found, inside, minimum && (inside || stalls), contact);
                 return;
             }
             nearest = squared;
             // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
-            const SurfacePoint<Scalar> left = state_.proxy;
-            const auto way = sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
-                                   {.leaves_within = blur(stylus, found)}, contact);
-            if (way == HitStatus::on_surface ||
-                (way == HitStatus::hit && contact.patches >= options_.max_patches)) {
-                state_.touching = true;
-                if (way == HitStatus::on_surface) state_.proxy = left;
-                touch(stylus, found, false, way == HitStatus::on_surface, contact);
-                return;
-            }
+            (void)sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
+                        {.leaves_within = blur(stylus, found)}, contact);
         }
     }
 
