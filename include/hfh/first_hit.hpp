@@ -41,7 +41,8 @@ struct FirstHitOptions {
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
     /// ≥ 0: a was computed to lie on the surface, this many metres off it at the most, and the segment leaves it on
-    /// `side`. Until it has, nothing is a crossing, and if the rounding put a beside a rim that is no hole. < 0: no.
+    /// `side`. Until it has, nothing is a crossing, and if the rounding put a beside a rim that is no hole. If it
+    /// ends on the other side without having left, it hits where it entered its last cell. < 0: no.
     double leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet: so that
     /// going on from `t` with `side` gets on, and comes to the same end as one search.

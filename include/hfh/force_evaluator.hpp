@@ -17,7 +17,7 @@ struct Force {
 
 /// Contact → force: F = stiffness · (proxy − stylus), shortened to max_force.
 ///
-/// Zero when not touching, and when the stiffness or the maximum is no number to go by.  Has no state, does not throw.
+/// Zero when not touching, and when the stiffness or the maximum is no number to go by. Has no state, does not throw.
 template <Real T>
 struct ForceEvaluator {
     T stiffness = T(500);                        ///< N/m, ≥ 0

@@ -70,7 +70,7 @@ public:
             state_.started = true;
             state_.swept_to = glm::dvec3{stylus};
         }
-        if (!state_.touching) (void)sweep(state_.swept_to, stylus, {}, contact);
+        if (!state_.touching) sweep(state_.swept_to, stylus, {}, contact);
         if (state_.touching) slide(stylus, contact);
         return contact;
     }
@@ -86,9 +86,9 @@ private:
     /// Beyond this height the fourth power of a distance overflows.
     static constexpr Scalar highest = std::same_as<Scalar, float> ? Scalar(0x1p31) : Scalar(0x1p255);
 
-    /// Casts from → stylus. Ends touching, at the first crossing, or free; says how the cast ended.
-    HitStatus sweep(const glm::dvec3& from, const vec3<Scalar>& stylus, FirstHitOptions options,
-                    Contact<Scalar>& contact) noexcept {
+    /// Casts from → stylus. Ends touching, at the first crossing, or free.
+    void sweep(const glm::dvec3& from, const vec3<Scalar>& stylus, FirstHitOptions options,
+               Contact<Scalar>& contact) noexcept {
         const glm::dvec3 to{stylus};
         options.surface = options_.surface;
         options.side = state_.side;
@@ -98,7 +98,7 @@ private:
         state_.touching = hit.status == HitStatus::hit;
         state_.side = contact.side = hit.side;
         state_.proxy = hit.point;
-        if (state_.touching) return hit.status;
+        if (state_.touching) return;
 
         const bool cut_short = hit.status == HitStatus::cell_limit;
         state_.swept_to = cut_short ? from + hit.t * (to - from) : to;
@@ -107,7 +107,6 @@ private:
                          : hit.side == Side::none ? ContactStatus::off_surface
                          : buried                 ? ContactStatus::buried
                                                   : ContactStatus::free;
-        return hit.status;
     }
 
     /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus.
@@ -135,8 +134,8 @@ private:
             }
             nearest = squared;
             // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
-            (void)sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
-                        {.leaves_within = blur(stylus, found)}, contact);
+            sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
+                  {.leaves_within = blur(stylus, found)}, contact);
         }
     }
 
