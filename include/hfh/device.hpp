@@ -1,0 +1,66 @@
+#ifndef HFH_DEVICE_HPP
+#define HFH_DEVICE_HPP
+
+#include <hfh/scalar.hpp>
+
+#include <concepts>
+
+// What a force-feedback device is to the rest of a program, whichever vendor's: it hands out samples and takes forces,
+// in SI units, right-handed, z up. A driver converts its own axes and units at its own border and nowhere else.
+
+namespace hfh {
+
+/// Where the device's end effector is, in the device's workspace.
+struct DeviceSample {
+    double time = 0;           ///< seconds, never falling; since when is the device's affair
+    glm::dvec3 position{0.0};  ///< metres
+    glm::dvec3 velocity{0.0};  ///< metres per second, if `has_velocity`
+    bool has_velocity = false; ///< the device measures it
+    unsigned buttons = 0;      ///< bit k: button k is down
+};
+
+/// What to do until the next sample.
+struct DeviceCommand {
+    glm::dvec3 newtons{0.0}; ///< force on the hand
+    bool go_on = true;       ///< false: no force, and no further sample
+};
+
+/// What a device can do. Zero where it does not tell.
+struct DeviceCapabilities {
+    double max_force = 0;      ///< N
+    double max_stiffness = 0;  ///< N/m, closed loop, as the maker recommends
+    double rate = 0;           ///< updates per second
+    double resolution = 0;     ///< metres, of one step of the position
+    glm::dvec3 workspace{0.0}; ///< metres, extent along x, y and z, centred on 0
+    int delay = 0; ///< updates from a sample to the first one that its force has acted on, less one
+};
+
+/// How a run of a device ended.
+enum class DeviceEnd : unsigned char {
+    stopped,       ///< the tick said so
+    not_available, ///< no device, or it did not start
+    force_fault,   ///< the device refused to render forces: too warm, too large, an amplifier fault
+    lost,          ///< the connection broke
+    fault          ///< another error that ends the run
+};
+
+/// `tick(sample) → command`, once per update.
+template <class F>
+concept DeviceTick = requires(F& tick, const DeviceSample& sample) {
+    { tick(sample) } -> std::same_as<DeviceCommand>;
+};
+
+/// A device. `run(tick)` calls tick once per update, in order and from one thread at a time, until it says stop or the
+/// device fails, and returns after the last call, with the force at zero. Whether the driver calls back, is polled, or
+/// exchanges a force for a position is hidden in `run`.
+// clang-format off
+template <class D>
+concept Device = requires(D& device, DeviceCommand (&tick)(const DeviceSample&)) {
+        { device.capabilities() } noexcept -> std::same_as<DeviceCapabilities>;
+        { device.run(tick) } -> std::same_as<DeviceEnd>;
+    };
+// clang-format on
+
+} // namespace hfh
+
+#endif // HFH_DEVICE_HPP
