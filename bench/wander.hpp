@@ -12,8 +12,9 @@ using test::Random;
 
 /// A path over the ground as a hand might take it, `count` points `step` cells apart (in plan; a cell is dx along x and
 /// dy along y). It turns as it goes, into a new direction every 20 cells or so, and stays 16 cells off the border.
-[[nodiscard]] inline std::vector<glm::dvec2> wander(const Terrain& terrain, std::size_t count, double step,
-                                                    std::uint64_t seed = 1) {
+template <class Ground>
+[[nodiscard]] std::vector<glm::dvec2> wander(const Ground& terrain, std::size_t count, double step,
+                                             std::uint64_t seed = 1) {
     constexpr double margin = 16;
     const double width = static_cast<double>(terrain.kind.columns - 1),
                  depth = static_cast<double>(terrain.kind.rows - 1);

@@ -1,0 +1,202 @@
+#include "bounded.hpp"
+#include "strokes.hpp"
+
+#include <functional>
+
+// First crossings of segments anywhere on the ground, in any direction, half of which end under it. Each peer is built,
+// timed against the library and freed before the next one.
+
+namespace hfh::bench {
+namespace {
+
+constexpr double short_lengths[] = {0.5, 3, 30}, long_lengths[] = {300, 3000};
+constexpr std::size_t queries_a_length = 8192, queries_a_slice = 512;
+constexpr int rounds = 7;
+
+struct Set {
+    double length;
+    std::vector<PeerSegment> queries;
+    std::vector<double> t; ///< the library's answers; 2: none
+};
+
+/// Whether `t` is the first crossing, by looking at the segment in steps of 1/32 of a cell.
+template <class G>
+bool is_first_crossing(const G& ground, const Set& set, std::size_t k) {
+    const auto& s = set.queries[k];
+    const auto height_over = [&](double t) {
+        const glm::dvec3 at = s.a + t * (s.b - s.a);
+        return at.z - ground.surface(at.x, at.y);
+    };
+    const double tolerance = 1e-9 * ground.kind.highest;
+    const bool found = set.t[k] <= 1;
+    if (found && !(std::abs(height_over(set.t[k])) <= tolerance)) return false;
+    if (!found && !(height_over(1) >= -tolerance)) return false;
+    const double searched = found ? set.t[k] : 1;
+    const int steps = 8 + static_cast<int>(32 * set.length);
+    for (int n = 0; n < steps; ++n) {
+        if (height_over(searched * static_cast<double>(n) / steps) < -tolerance) return false;
+    }
+    return true;
+}
+
+template <class Field>
+Runner ours(const Field& field, Set& set) {
+    return {set.queries.size() / queries_a_slice, static_cast<double>(queries_a_slice),
+            [&field, &set](std::size_t slice) {
+                for (std::size_t k = slice * queries_a_slice; k < (slice + 1) * queries_a_slice; ++k) {
+                    const auto hit = first_hit(field, set.queries[k].a, set.queries[k].b);
+                    set.t[k] = hit.status == HitStatus::hit ? hit.t : 2;
+                }
+            }};
+}
+
+template <class Field, class G>
+std::vector<Set> make_sets(const Field& field, const G& ground, const double* lengths, std::size_t count) {
+    std::vector<Set> sets;
+    for (std::size_t l = 0; l < count; ++l) {
+        const double length = lengths[l];
+        if (1.2 * length > static_cast<double>(std::max(ground.kind.columns, ground.kind.rows))) continue;
+        // The longest ones are fewer, to take no longer.
+        const std::size_t queries = length > 300 ? queries_a_length / 8 : queries_a_length;
+        Set set{length, {}, std::vector<double>(queries)};
+        for (const auto& s : segments(ground, queries, length)) set.queries.push_back({s.a, s.b});
+        const auto run = ours(field, set);
+        for (std::size_t slice = 0; slice < run.slices; ++slice) run.run(slice);
+        const std::size_t stride = length > 30 ? 64 : 8; // looking takes longer than finding
+        for (std::size_t k = 0; k < queries; k += stride) {
+            if (!is_first_crossing(ground, set, k)) {
+                throw Fault{"cast of " + text(length) + " cells on " + ground.kind.name +
+                            ": not the first crossing"};
+            }
+        }
+        sets.push_back(std::move(set));
+    }
+    return sets;
+}
+
+/// One length: the fastest of a library's peers.
+struct Best {
+    double ratio = 0, peer_ns = 0, ours_ns = 0;
+    std::string name, errors;
+};
+
+template <class Field, class G>
+void race_peer(CastPeer& peer, const Field& field, const G& ground, std::vector<Set>& sets,
+               std::vector<Best>& best) {
+    for (std::size_t l = 0; l < sets.size(); ++l) {
+        Set& set = sets[l];
+        std::vector<double> t(set.queries.size());
+        const auto theirs = [&](std::size_t slice) {
+            peer.cast(&set.queries[slice * queries_a_slice], queries_a_slice, &t[slice * queries_a_slice]);
+        };
+        const auto paces =
+            race({ours(field, set),
+                  {set.queries.size() / queries_a_slice, static_cast<double>(queries_a_slice), theirs}},
+                 rounds);
+        if (best[l].peer_ns > 0 && best[l].peer_ns <= paces[1].median) continue;
+
+        double sum = 0, largest = 0, count = 0, missed = 0, invented = 0;
+        for (std::size_t k = 0; k < t.size(); ++k) {
+            missed += set.t[k] <= 1 && t[k] > 1 ? 1 : 0;
+            invented += set.t[k] > 1 && t[k] <= 1 ? 1 : 0;
+            if (t[k] > 1) continue;
+            const glm::dvec3 at = set.queries[k].a + t[k] * (set.queries[k].b - set.queries[k].a);
+            const double off = std::abs(at.z - ground.surface(at.x, at.y));
+            sum += off, count += 1, largest = std::max(largest, off);
+        }
+        best[l] = {paces[1].median / paces[0].median, paces[1].median, paces[0].median, peer.name(),
+                   text(count > 0 ? sum / count : 0, 2) + " / " + text(largest, 2) + " m"};
+        if (missed + invented > 0) {
+            best[l].errors += " (" + text(missed) + " missed, " + text(invented) + " invented of " +
+                              text(static_cast<double>(t.size())) + ")";
+        }
+    }
+}
+
+using Maker = std::function<std::unique_ptr<CastPeer>(const PeerHeights&)>;
+struct Peer {
+    std::string name;
+    std::vector<Maker> makers;
+};
+std::vector<Peer> all_peers() {
+    std::vector<Peer> peers{{"Bullet's height field", {}}, {"Embree", {}}};
+#ifdef HFH_HAS_BULLET
+    for (const bool accelerator : {false, true}) {
+        peers[0].makers.push_back([=](const PeerHeights& h) { return bullet_height_field(h, accelerator); });
+    }
+#endif
+#ifdef HFH_HAS_EMBREE
+    for (const auto mesh : {EmbreeMesh::triangles, EmbreeMesh::quads, EmbreeMesh::grid}) {
+        peers[1].makers.push_back([=](const PeerHeights& h) { return embree_casts(h, mesh); });
+    }
+#endif
+    return peers;
+}
+
+Row row_of(const std::string& name, const std::vector<Set>& sets, const std::vector<Best>& best) {
+    Row row{name, "×", {}};
+    std::string errors;
+    for (std::size_t l = 0; l < sets.size(); ++l) {
+        row.figures.push_back({text(sets[l].length) + " cells", Figure::Goal::more_than, 1});
+        if (best[l].peer_ns == 0) continue;
+        row.figures.back().measured = best[l].ratio;
+        row.beside += (l > 0 ? ", " : "") + text(best[l].peer_ns) + " against " + text(best[l].ours_ns) +
+                      " ns (" + best[l].name + ")";
+        errors += (l > 0 ? ", " : "") + best[l].errors;
+    }
+    if (!errors.empty()) row.beside += "; heights hit off by, mean / largest: " + errors;
+    return row;
+}
+
+std::string million_cells(const TerrainKind& kind) {
+    return text(static_cast<double>((kind.columns - 1) * (kind.rows - 1)) / 1e6) + " M cells";
+}
+
+template <class G>
+void on(const G& ground, Findings& found, std::vector<Row>& bounded_rows) {
+    const auto grid = ground.template grid<double>();
+    auto sets = make_sets(grid, ground, short_lengths, std::size(short_lengths));
+#ifdef HFH_HAS_BOUNDS
+    Bounded bounded{grid};
+    if (!bounded.build()) throw Fault{"no bounds could be built"};
+    auto far_sets = make_sets(bounded.field(), ground, long_lengths, std::size(long_lengths));
+#else
+    auto far_sets = make_sets(grid, ground, long_lengths, std::size(long_lengths));
+#endif
+    for (const auto& library : all_peers()) {
+        std::vector<Best> best(sets.size()), far_best(far_sets.size());
+        for (const auto& make : library.makers) {
+            const auto peer = make(for_peers(ground));
+            race_peer(*peer, grid, ground, sets, best);
+#ifdef HFH_HAS_BOUNDS
+            if (library.name == "Embree") {
+                race_peer(*peer, bounded.field(), ground, far_sets, far_best);
+            }
+#endif
+        }
+        const std::string where = ", " + million_cells(ground.kind);
+        found.rows.push_back(
+            row_of("first crossing, 0.5 / 3 / 30 cells, time of " + library.name + " over ours" + where, sets,
+                   best));
+        if (library.name == "Embree") {
+            bounded_rows.push_back(row_of("first crossing, " +
+                                              std::string{far_sets.size() > 1 ? "300 / 3000" : "300"} +
+                                              " cells, with bounds, time of Embree over ours" + where,
+                                          far_sets, far_best));
+        }
+    }
+}
+
+} // namespace
+
+Findings crossing(const Settings& settings) {
+    Findings found;
+    std::vector<Row> bounded_rows;
+    on(terrain(0), found, bounded_rows);
+    on(terrain(1), found, bounded_rows);
+    if (!settings.quick) on(made_up_ground("hills", 4097, 4097), found, bounded_rows);
+    for (auto& row : bounded_rows) found.rows.push_back(std::move(row));
+    return found;
+}
+
+} // namespace hfh::bench
