@@ -14,8 +14,7 @@ namespace hfh::bench {
 enum class Way {
     flying,  ///< 20 cells above
     sliding, ///< `depth` cells below
-    tapping, ///< `depth` cells above and below in turn: each update is a first contact or a release
-    resting  ///< below, 100 updates in each place
+    tapping  ///< `depth` cells above and below in turn: each update is a first contact or a release
 };
 
 struct Stroke {
@@ -34,7 +33,7 @@ template <class G>
     double last = ground.kind.highest;
     int since_surface = 4; // updates; 4: as good as never
     for (std::size_t k = 0; k < path.size(); ++k) {
-        const glm::dvec2 at = path[way == Way::resting ? k / 100 * 100 : k];
+        const glm::dvec2 at = path[k];
         const double surface = ground.surface(at.x, at.y);
         const bool hole = std::isnan(surface), back = since_surface > 3;
         since_surface = hole ? std::min(since_surface + 1, 4) : 0;
@@ -42,7 +41,6 @@ template <class G>
         double over = -depth;
         if (way == Way::flying) over = 20;
         if (way == Way::tapping && k % 2 == 0) over = depth;
-        if (way == Way::resting && k % 100 == 0) over = 20;
         if (back || (hole && since_surface > 3)) over = 20;
         made.push_back({at, last + over * cell});
     }

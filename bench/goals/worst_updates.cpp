@@ -78,8 +78,8 @@ Row row_of(const char* name, double bound, const Worst& worst) {
 Findings worst_updates(const Settings&) {
     Worst near, far;
     each_ground([&](const auto& ground) {
-        look_for_worst(ground, near_strokes, std::size(near_strokes), 10'000, near);
-        look_for_worst(ground, far_strokes, std::size(far_strokes), 3'000, far);
+        look_for_worst(ground, near_strokes, std::size(near_strokes), 8'000, near);
+        look_for_worst(ground, far_strokes, std::size(far_strokes), 1'500, far);
     });
     Findings found;
     found.rows.push_back(row_of("worst update by replay, all terrains, up to 5 cells an update", 3, near));
