@@ -8,71 +8,64 @@
 namespace hfh::bench {
 namespace {
 
-/// Many strokes, each in another place, so that all together touch more memory than a cache holds: a stroke is new
-/// ground to the processor every time it is run.
+/// Many strokes, each in another place: at two cells an update they touch twice the memory that the last cache holds, so
+/// that a stroke is new ground to the processor every time it is run.
 constexpr std::size_t strokes = 512, updates_a_stroke = 1'000;
+
+/// A stylus that comes down at the first of the positions and is there at the second; the rest is a run of the trace.
+template <HeightField Field>
+void add_run(Trace<double>& trace, const Field& field, const std::vector<glm::dvec3>& stylus) {
+    ProxyTracker tracker{field};
+    (void)tracker.update(stylus[0]);
+    (void)tracker.update(stylus[1]);
+    trace.before.push_back(tracker.state());
+    trace.stylus.insert(trace.stylus.end(), stylus.begin() + 2, stylus.end());
+    trace.run = stylus.size() - 2;
+}
 
 template <class G>
 Trace<double> far_flung(const G& ground, double step) {
     const auto grid = ground.template grid<double>();
     Trace<double> all;
-    all.run = updates_a_stroke;
-    Random random{5};
-    // `wander` starts in the middle; the strokes are moved anywhere.
-    const double columns = static_cast<double>(ground.kind.columns - 1),
-                 rows = static_cast<double>(ground.kind.rows - 1);
     for (std::size_t s = 0; s < strokes; ++s) {
-        std::vector<glm::dvec2> path;
-        const double margin = 16;
-        double u = random.between(margin, columns - margin), v = random.between(margin, rows - margin);
-        double heading = random.between(0, 2 * std::numbers::pi);
-        while (path.size() < updates_a_stroke + 2) {
-            path.push_back({u * ground.kind.spacing.x, v * ground.kind.spacing.y});
-            heading += random.between(-1, 1) * 0.4 * std::sqrt(step);
-            const double to_u = u + step * std::cos(heading), to_v = v + step * std::sin(heading);
-            if (to_u < margin || to_u > columns - margin) heading = std::numbers::pi - heading;
-            if (to_v < margin || to_v > rows - margin) heading = -heading;
-            u += step * std::cos(heading);
-            v += step * std::sin(heading);
-        }
-        const auto stylus = positions(ground, path, Way::sliding, 0.5);
-        ProxyTracker tracker{grid};
-        (void)tracker.update(stylus[0]);
-        (void)tracker.update(stylus[1]);
-        all.before.push_back(tracker.state());
-        all.stylus.insert(all.stylus.end(), stylus.begin() + 2, stylus.end());
+        add_run(all, grid,
+                positions(ground, wander(ground, updates_a_stroke + 2, step, s, 0), Way::sliding, 0.5));
     }
     return all;
 }
 
-/// A hand's motion of all kinds: each 200 updates with another step, 0.1 to 3 cells, and another depth, 0.01 to 5.
+/// A hand's motion of all kinds: each 200 updates anew, anywhere, with another step, 0.1 to 3 cells, and another depth,
+/// 0.01 to 5.
 template <class G>
-std::vector<glm::dvec3> coherent(const G& ground, std::size_t count) {
+Trace<double> coherent(const G& ground) {
+    const auto grid = ground.template grid<double>();
     Random random{3};
-    std::vector<glm::dvec3> all;
-    while (all.size() < count) {
+    Trace<double> all;
+    for (std::uint64_t s = 0; s < 100; ++s) {
         const double step = 0.1 * std::pow(30.0, random.unit()),
                      depth = 0.01 * std::pow(500.0, random.unit());
-        const auto path = wander(ground, 200, step, static_cast<std::uint64_t>(random.whole(0, 1'000'000)));
-        const auto part = positions(ground, path, Way::sliding, depth);
-        all.insert(all.end(), part.begin(), part.end());
+        add_run(all, grid, positions(ground, wander(ground, 202, step, s, 0), Way::sliding, depth));
     }
     return all;
 }
 
-/// A first contact anywhere on the ground, then another one: two updates a place, above and below.
+/// A first contact from half a cell above to half a cell below, anywhere on the ground. The tracker is told to forget in
+/// between, so the way there is not cast.
 template <class G>
-std::vector<glm::dvec3> anywhere(const G& ground, std::size_t count) {
+Trace<double> anywhere(const G& ground, std::size_t count) {
+    const auto grid = ground.template grid<double>();
     Random random{4};
-    std::vector<glm::dvec3> all;
-    while (all.size() < count) {
+    Trace<double> all;
+    while (all.stylus.size() < count) {
         const glm::dvec2 at{
             ground.kind.spacing.x * static_cast<double>(ground.kind.columns - 1) * random.unit(),
             ground.kind.spacing.y * static_cast<double>(ground.kind.rows - 1) * random.unit()};
         const double surface = ground.surface(at.x, at.y);
         if (std::isnan(surface)) continue;
-        all.push_back({at, surface + ground.cell() / 2});
-        all.push_back({at, surface - ground.cell() / 2});
+        ProxyTracker tracker{grid};
+        (void)tracker.update({at, surface + ground.cell() / 2});
+        all.before.push_back(tracker.state());
+        all.stylus.push_back({at, surface - ground.cell() / 2});
     }
     return all;
 }
@@ -88,20 +81,8 @@ void measure(const G& ground, std::vector<Workload>& workloads) {
         if (times.worst >= 1e6) throw Fault{std::string{name} + ": an update took 1 ms or more"};
         workloads.push_back({name, ground.kind.name, cells, pace[0].fastest, times.worst - clock_cost()});
     };
-    enter("coherent sliding, steps 0.1 to 3, 0.01 to 5 deep",
-          trace_of<double>(grid, coherent(ground, 20'000), 200));
-
-    // Random queries: the tracker is told to forget in between, so the way there is not cast.
-    Trace<double> random;
-    random.run = 1;
-    const auto places = anywhere(ground, 20'000);
-    for (std::size_t k = 0; k + 1 < places.size(); k += 2) {
-        ProxyTracker tracker{grid};
-        (void)tracker.update(places[k]);
-        random.before.push_back(tracker.state());
-        random.stylus.push_back(places[k + 1]);
-    }
-    enter("random first contacts, half a cell deep", random);
+    enter("coherent sliding, steps 0.1 to 3, 0.01 to 5 deep", coherent(ground));
+    enter("random first contacts, half a cell deep", anywhere(ground, 10'000));
     enter("swipes, 100 cells an update, half a cell deep",
           stroke_trace<double>(ground, {"", Way::sliding, 100, 0.5}, 5'000, 100));
 }
