@@ -111,6 +111,7 @@ void write_markdown(std::ostream& out, const Machine& machine, const Findings& f
     for (const auto& row : found.rows) {
         if (!row.beside.empty()) out << "| " << row.name << " | " << row.beside << " |\n";
     }
+    if (found.workloads.empty()) return;
     out << "\nOne update, nanoseconds, mean / worst of all by replay:\n\n";
     std::vector<std::string> names;
     for (const auto& w : found.workloads) {
