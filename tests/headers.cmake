@@ -18,7 +18,6 @@ set(order
     device
     damping force_shading level_beyond)
 
-
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
 
