@@ -29,15 +29,18 @@ Findings beside_heights(const Settings&) {
     found.rows.push_back({"bytes stored beside the heights, without bounds",
                           "bytes",
                           {{"", Figure::Goal::at_most, 0, static_cast<double>(made)}},
-                          "allocated by making a grid and a tracker for 1.56 M samples"});
+                          "allocated by making a grid and a tracker for 1.56 M samples",
+                          false});
     found.rows.push_back({"allocations per update",
                           "",
                           {{"", Figure::Goal::at_most, 0, static_cast<double>(updating)}},
-                          "in 80,000 updates of all kinds"});
+                          "in 80,000 updates of all kinds",
+                          false});
     found.rows.push_back({"state per stylus",
                           "bytes",
                           {{"", Figure::Goal::at_most, 192, static_cast<double>(sizeof(State))}},
-                          "float " + text(static_cast<double>(sizeof(TrackerState<float>)))});
+                          "float " + text(static_cast<double>(sizeof(TrackerState<float>))),
+                          false});
     return found;
 }
 

@@ -30,13 +30,13 @@ std::uint64_t read_all(const std::int16_t* samples, std::size_t count) noexcept 
 
 Findings bounds(const Settings& settings) {
     Findings found;
-    Row bytes{"the optional bounds, memory", "bytes a sample", {{"", Figure::Goal::at_most, 0.1}}};
+    Row bytes{"the optional bounds, memory", "bytes a sample", {{"", Figure::Goal::at_most, 0.1}}, {}, false};
     Row build{"the optional bounds, speed of building over speed of reading memory",
               "×",
               {{"", Figure::Goal::at_least, 0.5}}};
 #ifdef HFH_HAS_BOUNDS
     // Larger than any cache.
-    const Index side = settings.quick ? 8193 : 16385;
+    const Index side = settings.vast ? 16385 : 8193;
     const auto ground = made_up_ground("hills", side, side);
     const auto samples = static_cast<std::size_t>(side * side);
     Bounded bounded{ground.grid<double>()};

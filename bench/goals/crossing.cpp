@@ -1,75 +1,31 @@
 #include "bounded.hpp"
-#include "strokes.hpp"
+#include "casts.hpp"
+#include "text.hpp"
 
 #include <functional>
 
 // First crossings of segments anywhere on the ground, in any direction, half of which end under it: so many that on the
-// larger grounds the last cache does not hold what they touch. Each peer is built,
-// timed against the library and freed before the next one.
+// larger grounds the last cache does not hold what they touch. Each peer is built, timed against the library and freed
+// before the next one.
 
 namespace hfh::bench {
 namespace {
 
 constexpr double short_lengths[] = {0.5, 3, 30}, long_lengths[] = {300, 3000};
-constexpr std::size_t queries_a_length = 32'768, queries_a_slice = 512;
+constexpr std::size_t queries_a_length = 32'768;
 constexpr int rounds = 5;
 
-struct Set {
-    double length;
-    std::vector<PeerSegment> queries;
-    std::vector<double> t; ///< the library's answers; 2: none
-};
-
-/// Whether `t` is the first crossing, by looking at the segment in steps of 1/32 of a cell.
-template <class G>
-bool is_first_crossing(const G& ground, const Set& set, std::size_t k) {
-    const auto& s = set.queries[k];
-    const auto height_over = [&](double t) {
-        const glm::dvec3 at = s.a + t * (s.b - s.a);
-        return at.z - ground.surface(at.x, at.y);
-    };
-    const double tolerance = 1e-9 * ground.kind.highest;
-    const bool found = set.t[k] <= 1;
-    if (found && !(std::abs(height_over(set.t[k])) <= tolerance)) return false;
-    if (!found && !(height_over(1) >= -tolerance)) return false;
-    const double searched = found ? set.t[k] : 1;
-    const int steps = 8 + static_cast<int>(32 * set.length);
-    for (int n = 0; n < steps; ++n) {
-        if (height_over(searched * static_cast<double>(n) / steps) < -tolerance) return false;
-    }
-    return true;
-}
-
-template <class Field>
-Runner ours(const Field& field, Set& set) {
-    return {set.queries.size() / queries_a_slice, static_cast<double>(queries_a_slice),
-            [&field, &set](std::size_t slice) {
-                for (std::size_t k = slice * queries_a_slice; k < (slice + 1) * queries_a_slice; ++k) {
-                    const auto hit = first_hit(field, set.queries[k].a, set.queries[k].b);
-                    set.t[k] = hit.status == HitStatus::hit ? hit.t : 2;
-                }
-            }};
-}
-
 template <class Field, class G>
-std::vector<Set> make_sets(const Field& field, const G& ground, const double* lengths, std::size_t count) {
-    std::vector<Set> sets;
+std::vector<CastSet<double>> make_sets(const Field& field, const G& ground, const double* lengths,
+                                       std::size_t count) {
+    std::vector<CastSet<double>> sets;
     for (std::size_t l = 0; l < count; ++l) {
         const double length = lengths[l];
         if (1.2 * length > static_cast<double>(std::max(ground.kind.columns, ground.kind.rows))) continue;
         // The longest ones are fewer, to take no longer.
         const std::size_t queries = length > 300 ? queries_a_length / 8 : queries_a_length;
-        Set set{length, {}, std::vector<double>(queries)};
-        for (const auto& s : segments(ground, queries, length)) set.queries.push_back({s.a, s.b});
-        const auto run = ours(field, set);
-        for (std::size_t slice = 0; slice < run.slices; ++slice) run.run(slice);
-        const std::size_t stride = length > 30 ? 256 : 32; // looking takes longer than finding
-        for (std::size_t k = 0; k < queries; k += stride) {
-            if (!is_first_crossing(ground, set, k)) {
-                throw Fault{"cast of " + text(length) + " cells on " + ground.kind.name +
-                            ": not the first crossing"};
-            }
-        }
+        CastSet<double> set = cast_set<double>(field, ground, length, queries);
+        check_casts(ground, set);
         sets.push_back(std::move(set));
     }
     return sets;
@@ -93,17 +49,17 @@ double share_missed(const std::vector<double>& right, const std::vector<double>&
 }
 
 template <class Field, class G>
-void race_peer(CastPeer& peer, const Field& field, const G& ground, std::vector<Set>& sets,
+void race_peer(CastPeer& peer, const Field& field, const G& ground, std::vector<CastSet<double>>& sets,
                std::vector<Best>& best) {
     for (std::size_t l = 0; l < sets.size(); ++l) {
-        Set& set = sets[l];
+        auto& set = sets[l];
         std::vector<double> t(set.queries.size());
         const auto theirs = [&](std::size_t slice) {
-            peer.cast(&set.queries[slice * queries_a_slice], queries_a_slice, &t[slice * queries_a_slice]);
+            peer.cast(&set.queries[slice * casts_a_slice], casts_a_slice, &t[slice * casts_a_slice]);
         };
         const auto paces =
-            race({ours(field, set),
-                  {set.queries.size() / queries_a_slice, static_cast<double>(queries_a_slice), theirs}},
+            race({casts(field, set),
+                  {set.queries.size() / casts_a_slice, static_cast<double>(casts_a_slice), theirs}},
                  rounds);
         // A peer that misses more than one hit in a hundred is no rival, however fast.
         const double wrong = share_missed(set.t, t);
@@ -154,7 +110,7 @@ std::vector<Peer> all_peers() {
     return peers;
 }
 
-Row row_of(const std::string& name, const std::vector<Set>& sets, const std::vector<Best>& best) {
+Row row_of(const std::string& name, const std::vector<CastSet<double>>& sets, const std::vector<Best>& best) {
     Row row{name, "×", {}};
     std::string errors, excluded;
     for (std::size_t l = 0; l < sets.size(); ++l) {
@@ -211,12 +167,12 @@ void on(const G& ground, Findings& found, std::vector<Row>& bounded_rows) {
 
 } // namespace
 
-Findings crossing(const Settings& settings) {
+Findings crossing(const Settings&) {
     Findings found;
     std::vector<Row> bounded_rows;
     on(terrain(0), found, bounded_rows);
     on(terrain(1), found, bounded_rows);
-    if (!settings.quick) on(made_up_ground("hills", 4097, 4097), found, bounded_rows);
+    on(made_up_ground("hills", 4097, 4097), found, bounded_rows);
     for (auto& row : bounded_rows) found.rows.push_back(std::move(row));
     return found;
 }

@@ -18,7 +18,9 @@ struct Figure {
     std::string what; ///< which of the row's numbers; empty if it has only one
     Goal goal = Goal::at_most;
     double bound = 0;
-    std::optional<double> measured{}; ///< none: not measured, for want of the peer or of time
+    std::optional<double> measured{}; ///< none: not measured, for want of the peer, of memory or of time
+    /// Met at this recording or an earlier one, and not given up since: a promise.
+    bool held = false;
 
     [[nodiscard]] bool met_within(double slack) const noexcept {
         if (!measured) return false;
@@ -31,6 +33,8 @@ struct Figure {
         return false;
     }
     [[nodiscard]] bool met() const noexcept { return met_within(0); }
+    /// Held and measured, and missed by more than the slack.
+    [[nodiscard]] bool lost(double slack) const noexcept { return held && measured && !met_within(slack); }
     /// How good: 1 at the goal, more is better.
     [[nodiscard]] double quality() const noexcept {
         if (!measured) return 0;
@@ -46,6 +50,8 @@ struct Row {
     std::string unit;            ///< of all its numbers: "×", "ns", "bytes"
     std::vector<Figure> figures; ///< measured and bound, in order
     std::string beside{};        ///< the times that a ratio is made of, a peer's errors
+    bool timed = true;           ///< false: bytes and counts, in which there is no noise
+    std::string date{};          ///< of the measurement
 
     [[nodiscard]] bool measured() const {
         for (const auto& f : figures) {
@@ -65,7 +71,7 @@ struct Row {
         return worst;
     }
     [[nodiscard]] const char* verdict() const {
-        return !measured() ? "not measured" : met() ? "met" : "not met";
+        return met() ? "met" : "not met"; // what is not measured is not met
     }
 };
 
@@ -82,15 +88,20 @@ struct Workload {
 struct Findings {
     std::vector<Row> rows;
     std::vector<Workload> workloads{};
+    std::vector<std::string> too_slow{}; ///< updates that took 1 ms: a haptic loop runs at 1 kHz
+
+    void note_update(double nanoseconds, const std::string& what) {
+        if (nanoseconds >= 1e6) too_slow.push_back(what + ": an update took 1 ms or more");
+    }
 };
 
-/// An answer is wrong, or an update took 1 ms: nothing is recorded then.
+/// An answer is wrong: nothing is recorded then.
 struct Fault : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 struct Settings {
-    bool quick = false;      ///< leave out what needs gigabytes
+    bool vast = false;       ///< with what needs gigabytes
     std::string scratch;     ///< where the raster of a billion samples may lie
     std::string compiler;    ///< as it is called
     std::string include;     ///< the library's headers

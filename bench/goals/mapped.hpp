@@ -11,6 +11,15 @@
 
 namespace hfh::bench {
 
+/// Bytes that the system can give without paging; 0 if it does not say.
+[[nodiscard]] inline double available_memory() {
+    std::ifstream info{"/proc/meminfo"};
+    for (std::string key, rest; info >> key && std::getline(info, rest);) {
+        if (key == "MemAvailable:") return 1024 * std::stod(rest);
+    }
+    return 0;
+}
+
 /// The hills as a file of `side` × `side` samples, mapped into memory with all pages resident. The file is made if it is
 /// not there, or not of these hills.
 [[nodiscard]] inline Ground<std::int16_t> mapped_hills(const std::string& directory, Index side) {

@@ -6,6 +6,7 @@
 #include "goal.hpp"
 #include "ground.hpp"
 #include "race.hpp"
+#include "text.hpp"
 
 // What the stylus does, on any ground, with or without holes; and whether what the tracker answers is right.
 
@@ -150,17 +151,6 @@ template <class G, Real T>
                     benchmark::DoNotOptimize(tracker.update(stylus[k]));
                 }
             }};
-}
-
-/// Digits that are worth reading.
-[[nodiscard]] inline std::string text(double number, int digits = 3) {
-    char buffer[40];
-    if (number != 0 && std::abs(number) < 1e6 && std::abs(number) >= 100) {
-        std::snprintf(buffer, sizeof buffer, "%.0f", number);
-    } else {
-        std::snprintf(buffer, sizeof buffer, "%.*g", digits, number);
-    }
-    return buffer;
 }
 
 } // namespace hfh::bench

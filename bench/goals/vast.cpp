@@ -71,30 +71,35 @@ Trace<double> anywhere(const G& ground, std::size_t count) {
 }
 
 template <class G>
-void measure(const G& ground, std::vector<Workload>& workloads) {
+void measure(const G& ground, Findings& found, bool has_holes = false) {
     const auto grid = ground.template grid<double>();
     const double cells = static_cast<double>((ground.kind.columns - 1) * (ground.kind.rows - 1));
+    double hole_exits = 0;
     const auto enter = [&](const char* name, const Trace<double>& trace) {
-        check_trace(ground, trace, std::string{name} + " on " + ground.kind.name);
+        const std::string what = std::string{name} + " on " + ground.kind.name;
+        hole_exits += check_trace(ground, trace, what).left_at_hole;
         const auto pace = race({updates(ground, trace)}, 5);
         const auto times = time_by_replay(grid, trace, 9);
-        if (times.worst >= 1e6) throw Fault{std::string{name} + ": an update took 1 ms or more"};
-        workloads.push_back({name, ground.kind.name, cells, pace[0].fastest, times.worst - clock_cost()});
+        found.note_update(times.worst, what);
+        found.workloads.push_back(
+            {name, ground.kind.name, cells, pace[0].fastest, times.worst - clock_cost()});
     };
     enter("coherent sliding, steps 0.1 to 3, 0.01 to 5 deep", coherent(ground));
     enter("random first contacts, half a cell deep", anywhere(ground, 10'000));
     enter("swipes, 100 cells an update, half a cell deep",
           stroke_trace<double>(ground, {"", Way::sliding, 100, 0.5}, 5'000, 100));
+    if (has_holes && hole_exits == 0)
+        throw Fault{std::string{"no way over "} + ground.kind.name + " met a hole"};
 }
 
 } // namespace
 
 Findings vast(const Settings& settings) {
     Findings found;
-    for (std::size_t t = 0; t < 3; ++t) measure(terrain(t), found.workloads);
-    if (const auto holes = real_ground<std::int16_t>("swissalps_voids")) measure(*holes, found.workloads);
-    if (const auto holes = real_ground<float>("mshelens_crater")) measure(*holes, found.workloads);
-    measure(made_up_ground("hills", 4097, 4097), found.workloads);
+    for (std::size_t t = 0; t < 3; ++t) measure(terrain(t), found);
+    if (const auto holes = real_ground<std::int16_t>("swissalps_voids")) measure(*holes, found, true);
+    if (const auto holes = real_ground<float>("mshelens_crater")) measure(*holes, found, true);
+    measure(made_up_ground("hills", 4097, 4097), found);
 
     Row mean{
         "mean sliding cost, 0.1 / 0.5 / 2 cells an update, 1.07 G samples mapped from a file over 0.28 M, "
@@ -114,11 +119,14 @@ Findings vast(const Settings& settings) {
     std::string where;
     small_sweep.figures[0].measured = longest_sweep(terrain(1), terrain(1).grid<double>(), where) / 1e6;
     small_sweep.beside = where;
+    found.note_update(1e6 * *small_sweep.figures[0].measured, small_sweep.name);
 
-    if (!settings.quick) {
-        measure(made_up_ground("hills", 16385, 16385), found.workloads);
+    if (settings.vast && available_memory() < 4e9) {
+        std::fputs("less than 4 GB of memory are free: the rows of a billion samples are left out\n", stderr);
+    } else if (settings.vast) {
+        measure(made_up_ground("hills", 16385, 16385), found);
         const auto vast = mapped_hills(settings.scratch, 32768);
-        measure(vast, found.workloads);
+        measure(vast, found);
         const auto small = made_up_ground("hills", 541, 511);
         for (std::size_t s = 0; s < std::size(steps); ++s) {
             const auto there = far_flung(vast, steps[s]), here = far_flung(small, steps[s]);
@@ -134,6 +142,7 @@ Findings vast(const Settings& settings) {
         if (!bounded.build()) throw Fault{"no bounds could be built"};
         vast_sweep.figures[0].measured = longest_sweep(vast, bounded.field(), where) / 1e6;
         vast_sweep.beside = where;
+        found.note_update(1e6 * *vast_sweep.figures[0].measured, vast_sweep.name);
 #endif
     }
     for (auto* row : {&mean, &small_sweep, &vast_sweep}) found.rows.push_back(std::move(*row));

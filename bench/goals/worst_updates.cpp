@@ -8,7 +8,6 @@ namespace hfh::bench {
 namespace {
 
 constexpr int replays = 25;
-constexpr double too_slow = 1e6; // nanoseconds: a haptic loop runs at 1 kHz
 
 constexpr Stroke near_strokes[] = {
     {"sliding 0.1, 0.01 deep", Way::sliding, 0.1, 0.01},
@@ -38,7 +37,7 @@ struct Worst {
 
 template <class G>
 void look_for_worst(const G& ground, const Stroke* strokes, std::size_t kinds, std::size_t updates,
-                    Worst& worst) {
+                    Worst& worst, Findings& found) {
     double here = 0;
     for (std::size_t s = 0; s < kinds; ++s) {
         const auto trace = stroke_trace<double>(ground, strokes[s], updates, 500);
@@ -46,7 +45,7 @@ void look_for_worst(const G& ground, const Stroke* strokes, std::size_t kinds, s
         worst.hole_exits += check_trace(ground, trace, what).left_at_hole;
         const auto times = time_by_replay(ground.template grid<double>(), trace, replays);
         const double ns = times.worst - clock_cost();
-        if (ns >= too_slow) throw Fault{what + ": an update took 1 ms or more"};
+        found.note_update(ns, what);
         here = std::max(here, ns);
         if (ns > worst.ns) worst.ns = ns, worst.where = what;
     }
@@ -77,11 +76,11 @@ Row row_of(const char* name, double bound, const Worst& worst) {
 
 Findings worst_updates(const Settings&) {
     Worst near, far;
-    each_ground([&](const auto& ground) {
-        look_for_worst(ground, near_strokes, std::size(near_strokes), 8'000, near);
-        look_for_worst(ground, far_strokes, std::size(far_strokes), 1'500, far);
-    });
     Findings found;
+    each_ground([&](const auto& ground) {
+        look_for_worst(ground, near_strokes, std::size(near_strokes), 8'000, near, found);
+        look_for_worst(ground, far_strokes, std::size(far_strokes), 1'500, far, found);
+    });
     found.rows.push_back(row_of("worst update by replay, all terrains, up to 5 cells an update", 3, near));
     found.rows.push_back(row_of("worst update by replay, all terrains, up to 100 cells an update", 20, far));
     return found;
