@@ -1,6 +1,7 @@
 #ifndef HFH_BENCH_GOALS_GOAL_HPP
 #define HFH_BENCH_GOALS_GOAL_HPP
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>

@@ -143,8 +143,9 @@ void write_json(std::ostream& out, const Machine& machine, const Findings& found
     for (const auto& row : found.rows) {
         for (const auto& f : row.figures) {
             out << comma << "  {\"row\": " << quoted(row.name) << ", \"figure\": " << quoted(f.what)
-                << ", \"measured\": " << (f.measured ? text(*f.measured, 4) : "null") << ", \"goal\": \""
-                << in_words(f.goal) << "\", \"bound\": " << text(f.bound)
+                << ", \"measured\": "
+                << (f.measured && std::isfinite(*f.measured) ? text(*f.measured, 4) : "null")
+                << ", \"goal\": \"" << in_words(f.goal) << "\", \"bound\": " << text(f.bound)
                 << ", \"unit\": " << quoted(row.unit) << ", \"met\": " << (f.met() ? "true" : "false")
                 << ", \"held\": " << (f.held ? "true" : "false");
             if (&f == &row.figures.front()) {
