@@ -8,7 +8,6 @@
 
 namespace hfh::test::plain {
 
-
 /// The part of a segment a → b over one cell.
 struct CellSpan {
     Cell cell;
@@ -328,7 +327,6 @@ template <HeightField Field>
     result.side = side;
     return result;
 }
-
 
 } // namespace hfh::test::plain
 
