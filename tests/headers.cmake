@@ -10,7 +10,7 @@ set(order
     height_view lattice surface
     bilinear_patch contact
     height_field
-    candidate_walker first_hit closest_point global_closest_point descent
+    candidate_walker clear_stretch first_hit closest_point global_closest_point descent
     proxy_tracker
     bilinear_grid
     force_evaluator

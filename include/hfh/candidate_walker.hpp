@@ -52,15 +52,15 @@ struct AxisWalk {
     bool on_line;      ///< the whole segment lies on the line between `cell − 1` and `cell`
     Index end_line;    ///< the grid line that b is on, if any
 
-    AxisWalk(double from, double to, double origin, double dx, double cells_per_metre) noexcept
-        : spacing{dx}, per_metre{cells_per_metre} {
-        const Split begin = split(from, origin, dx, per_metre), goal = split(to, origin, dx, per_metre);
+    /// From `begin` to `goal`, `displacement` metres further.
+    AxisWalk(const Split& begin, const Split& goal, double displacement, double dx,
+             double cells_per_metre) noexcept
+        : spacing{dx}, per_metre{cells_per_metre}, d{displacement} {
         base = cell = begin.cell;
         last = goal.cell;
         a = begin.rest;
         start = in_cells(begin.rest);
         end = in_cells(goal.rest);
-        d = to - from;
         step = d > 0 ? 1 : d < 0 ? -1 : 0;
         on_line = step == 0 && a == 0;
         end_line = goal.rest == 0 ? goal.cell : std::numeric_limits<Index>::max();
@@ -101,12 +101,12 @@ struct AxisWalk {
 
     /// When the segment enters and leaves the cells from ≤ i < past; later than `never` if it does not.
     [[nodiscard]] bool clip(Index from, Index past, double& t_enter, double& t_leave) const noexcept {
-        if (step == 0) return (from <= cell && cell < past) || (on_line && cell == past);
-        const Index lowest = std::min(cell, last), highest = std::max(cell, last);
+        if (step == 0) return (from <= first && first < past) || (on_line && first == past);
+        const Index lowest = std::min(first, last), highest = std::max(first, last);
         if (highest < from || lowest >= past) return false;
         const Index in = step > 0 ? from : past - 1;
         const Index out = step > 0 ? past - 1 : from;
-        if ((in - cell) * step > 0) t_enter = std::max(t_enter, time_at(step > 0 ? from : past));
+        if ((in - first) * step > 0) t_enter = std::max(t_enter, time_at(step > 0 ? from : past));
         if ((last - out) * step > 0) t_leave = std::min(t_leave, time_at(step > 0 ? past : from));
         return true;
     }
@@ -114,11 +114,113 @@ struct AxisWalk {
     void skip_to(double t, Index from, Index past) noexcept {
         if (step == 0) return;
         const auto near = base + static_cast<Index>(std::floor((a + t * d) * per_metre));
-        Index there = std::clamp(near - step, std::min(cell, last), std::max(cell, last));
+        Index there = std::clamp(near - step, std::min(first, last), std::max(first, last));
         there = std::clamp(there, from, past - 1);
         const Index stop = std::clamp(last, from, past - 1);
         while (there != stop && time_at(step > 0 ? there + 1 : there) < t) there += step;
         cell = there;
+    }
+};
+
+/// Both ends of a segment a → b as cells and rests.
+struct SplitEnds {
+    Split ax, ay, bx, by;
+
+    SplitEnds(const Lattice& lattice, const glm::dvec2& a, const glm::dvec2& b) noexcept {
+        const glm::dvec2 origin = lattice.origin(), spacing = lattice.spacing(),
+                         per_metre = lattice.cells_per_metre();
+        ax = split(a.x, origin.x, spacing.x, per_metre.x);
+        ay = split(a.y, origin.y, spacing.y, per_metre.y);
+        bx = split(b.x, origin.x, spacing.x, per_metre.x);
+        by = split(b.y, origin.y, spacing.y, per_metre.y);
+    }
+};
+
+/// The walk of `walk_cells`. It can be stopped and gone on with, and may skip cells: what it finds in a cell is the same
+/// to the bit.
+struct CellWalk {
+    AxisWalk x, y;
+    double t = AxisWalk::never; ///< when the segment enters the cell that is visited next
+    glm::dvec2 in{};            ///< (u, v) there
+
+    CellWalk(const Lattice& lattice, const SplitEnds& ends, const glm::dvec2& displacement) noexcept
+        : x{ends.ax, ends.bx, displacement.x, lattice.spacing().x, lattice.cells_per_metre().x},
+          y{ends.ay, ends.by, displacement.y, lattice.spacing().y, lattice.cells_per_metre().y} {}
+
+    /// Goes to the first cell of the range. False if the segment never is there.
+    [[nodiscard]] bool enter(const CellRange& range) noexcept {
+        double t_enter = 0, t_leave = 1;
+        if (range.empty() || !x.clip(range.first.i, range.last.i, t_enter, t_leave) ||
+            !y.clip(range.first.j, range.last.j, t_enter, t_leave) || t_enter > t_leave) {
+            return false;
+        }
+        t = t_enter;
+        x.cell = x.first;
+        y.cell = y.first;
+        if (t > 0) {
+            x.skip_to(t, range.first.i, range.last.i);
+            y.skip_to(t, range.first.j, range.last.j);
+        }
+        in = {x.entry(t), y.entry(t)};
+        return true;
+    }
+
+    /// Whether the next cell is in the range.
+    [[nodiscard]] bool inside(const CellRange& range) const noexcept {
+        return ((range.first.i <= x.cell && x.cell < range.last.i) || x.on_line) &&
+               ((range.first.j <= y.cell && y.cell < range.last.j) || y.on_line);
+    }
+
+    /// Visits the cells of `range`, until the next one is not in `part`: then true. False if the visitor stopped it, or
+    /// the segment left `range` or ended.
+    template <class Visitor>
+    bool visit(const CellRange& range, const CellRange& part, Visitor&& visit) noexcept {
+        const auto visit_one = [&](const CellSpan& span) {
+            return !range.contains(span.cell) || visit(span);
+        };
+        // Two cells side by side share a segment that runs along the line between them.
+        const auto visit_row = [&](const CellSpan& span) {
+            if (x.on_line) {
+                CellSpan left = span;
+                --left.cell.i;
+                left.in.x = left.out.x = 1;
+                if (!visit_one(left)) return false;
+            }
+            return visit_one(span);
+        };
+        const auto visit_all = [&](const CellSpan& span) {
+            if (y.on_line) {
+                CellSpan below = span;
+                --below.cell.j;
+                below.in.y = below.out.y = 1;
+                if (!visit_row(below)) return false;
+            }
+            return visit_row(span);
+        };
+
+        double next_x = x.next(), next_y = y.next();
+        for (;;) {
+            const double t_out = std::max(t, std::min(std::min(next_x, next_y), 1.0));
+            const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
+            const glm::dvec2 there = t_out == t ? in : glm::dvec2{x.at(t_out), y.at(t_out)};
+            const glm::dvec2 out{cross_x ? x.leaving() : there.x, cross_y ? y.leaving() : there.y};
+            if (!visit_all({{x.cell, y.cell}, t, t_out, in, out})) return false;
+            if (!cross_x && !cross_y) return false;
+
+            in = out;
+            if (cross_x) in.x = 1 - out.x;
+            if (cross_y) in.y = 1 - out.y;
+            if (cross_x && cross_y) { // through a vertex: it touches the two cells beside the diagonal
+                const glm::dvec2 beside_x{in.x, out.y}, beside_y{out.x, in.y};
+                if (!visit_one({{x.cell + x.step, y.cell}, t_out, t_out, beside_x, beside_x})) return false;
+                if (!visit_one({{x.cell, y.cell + y.step}, t_out, t_out, beside_y, beside_y})) return false;
+            }
+            if (cross_x) x.cell += x.step, next_x = x.next();
+            if (cross_y) y.cell += y.step, next_y = y.next();
+            t = t_out;
+            if (!inside(range)) return false;
+            if (!inside(part)) return true;
+        }
     }
 };
 
@@ -135,67 +237,8 @@ struct AxisWalk {
 template <class Visitor>
 void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2& a, const glm::dvec2& b,
                 Visitor&& visit) noexcept {
-    const glm::dvec2 origin = lattice.origin(), spacing = lattice.spacing(),
-                     per_metre = lattice.cells_per_metre();
-    detail::AxisWalk x{a.x, b.x, origin.x, spacing.x, per_metre.x};
-    detail::AxisWalk y{a.y, b.y, origin.y, spacing.y, per_metre.y};
-
-    double t = 0, t_leave = 1;
-    if (range.empty() || !x.clip(range.first.i, range.last.i, t, t_leave) ||
-        !y.clip(range.first.j, range.last.j, t, t_leave) || t > t_leave) {
-        return;
-    }
-    if (t > 0) {
-        x.skip_to(t, range.first.i, range.last.i);
-        y.skip_to(t, range.first.j, range.last.j);
-    }
-
-    const auto visit_one = [&](const CellSpan& span) { return !range.contains(span.cell) || visit(span); };
-    // Two cells side by side share a segment that runs along the line between them.
-    const auto visit_row = [&](CellSpan span) {
-        if (x.on_line) {
-            CellSpan left = span;
-            --left.cell.i;
-            left.in.x = left.out.x = 1;
-            if (!visit_one(left)) return false;
-        }
-        return visit_one(span);
-    };
-    const auto visit_all = [&](const CellSpan& span) {
-        if (y.on_line) {
-            CellSpan below = span;
-            --below.cell.j;
-            below.in.y = below.out.y = 1;
-            if (!visit_row(below)) return false;
-        }
-        return visit_row(span);
-    };
-
-    glm::dvec2 in{x.entry(t), y.entry(t)};
-    double next_x = x.next(), next_y = y.next();
-    for (;;) {
-        const double t_out = std::max(t, std::min(std::min(next_x, next_y), 1.0));
-        const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
-        const glm::dvec2 there = t_out == t ? in : glm::dvec2{x.at(t_out), y.at(t_out)};
-        const glm::dvec2 out{cross_x ? x.leaving() : there.x, cross_y ? y.leaving() : there.y};
-        if (!visit_all({{x.cell, y.cell}, t, t_out, in, out})) return;
-        if (!cross_x && !cross_y) return;
-
-        in = out;
-        if (cross_x) in.x = 1 - out.x;
-        if (cross_y) in.y = 1 - out.y;
-        if (cross_x && cross_y) { // through a vertex: it touches the two cells beside the diagonal
-            const glm::dvec2 beside_x{in.x, out.y}, beside_y{out.x, in.y};
-            if (!visit_one({{x.cell + x.step, y.cell}, t_out, t_out, beside_x, beside_x})) return;
-            if (!visit_one({{x.cell, y.cell + y.step}, t_out, t_out, beside_y, beside_y})) return;
-        }
-        if (cross_x) x.cell += x.step, next_x = x.next();
-        if (cross_y) y.cell += y.step, next_y = y.next();
-        t = t_out;
-        const bool inside_x = (range.first.i <= x.cell && x.cell < range.last.i) || x.on_line;
-        const bool inside_y = (range.first.j <= y.cell && y.cell < range.last.j) || y.on_line;
-        if (!inside_x || !inside_y) return;
-    }
+    detail::CellWalk walk{lattice, detail::SplitEnds{lattice, a, b}, b - a};
+    if (walk.enter(range)) walk.visit(range, range, visit);
 }
 
 /// Visits the candidate patches of §4.3.1 [P]: of the cells under a → b those that hold a patch which the part of

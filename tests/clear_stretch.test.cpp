@@ -1,0 +1,256 @@
+#include "catch.hpp"
+#include "support/plain_first_hit.hpp"
+#include "support/terrains.hpp"
+
+#include <hfh/first_hit.hpp>
+
+#include <cmath>
+
+// What first_hit passes over without judging it must not change its answer by a bit: it is compared with the plain walk
+// that judges every cell.
+
+using glm::dvec2;
+using glm::dvec3;
+using hfh::Cell;
+using hfh::FirstHitOptions;
+using hfh::HitStatus;
+using hfh::Index;
+using hfh::Side;
+using hfh::SurfaceKind;
+using hfh::test::Random;
+using hfh::test::Terrain;
+
+namespace {
+
+/// Counts how often a field is asked for a patch.
+template <class Field>
+struct Counting {
+    using Scalar = typename Field::Scalar;
+    Field field;
+    Index* asked;
+
+    [[nodiscard]] hfh::Lattice lattice() const noexcept { return field.lattice(); }
+    [[nodiscard]] hfh::CellRange cells() const noexcept { return field.cells(); }
+    [[nodiscard]] std::optional<hfh::BilinearPatch<Scalar>> patch(Cell c) const noexcept {
+        ++*asked;
+        return field.patch(c);
+    }
+};
+
+struct SameAsPlain {
+    int hits = 0, misses = 0, below = 0, none = 0;
+
+    template <class Field>
+    void operator()(const Field& field, const dvec3& a, const dvec3& b, const FirstHitOptions& options) {
+        const auto plain = hfh::test::plain::first_hit(field, a, b, options);
+        const auto found = hfh::first_hit(field, a, b, options);
+        CAPTURE(a.x, a.y, a.z, b.x, b.y, b.z, options.leaves_within, options.max_cells);
+        CAPTURE(static_cast<int>(options.surface), static_cast<int>(options.side), plain.t, found.t);
+        REQUIRE(found.status == plain.status);
+        REQUIRE(found.t == plain.t);
+        REQUIRE(found.side == plain.side);
+        REQUIRE(found.point.cell == plain.point.cell);
+        REQUIRE(found.point.u == plain.point.u);
+        REQUIRE(found.point.v == plain.point.v);
+        REQUIRE((found.cells > 0) == (plain.cells > 0));
+        hits += plain.status == HitStatus::hit;
+        misses += plain.status == HitStatus::miss;
+        below += plain.side == Side::below;
+        none += plain.side == Side::none;
+    }
+
+    /// With every option.
+    template <class Field>
+    void in_every_way(const Field& field, const dvec3& a, const dvec3& b) {
+        for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
+            for (const auto side : {Side::none, Side::above, Side::below}) {
+                (*this)(field, a, b, {.surface = kind, .side = side});
+                if (side == Side::none) continue;
+                (*this)(field, a, b, {.surface = kind, .side = side, .leaves_within = 0});
+                (*this)(field, a, b, {.surface = kind, .side = side, .leaves_within = 1e-3});
+            }
+        }
+    }
+};
+
+/// Grounds of 40 × 30 cells, rough and smooth, near and far, with holes and without.
+template <class T, class Each>
+void each_ground(Each&& each) {
+    const hfh::GridFrame frames[]{
+        {{0, 0}, {1, 1}}, {{-30, 12.5}, {10, 2.5}}, {{1e7 + 0.125, -1e7}, {4, 16}}, {{0.1, 3.7}, {0.3, 0.7}}};
+    std::uint64_t seed = 700;
+    for (const auto& frame : frames) {
+        for (const std::int64_t holes : {0, 200, 20}) {
+            for (const bool hilly : {false, true}) {
+                auto ground = hilly ? hfh::test::hills<T>(41, 31, 4, 13, frame)
+                                    : hfh::test::rough_in_steps<T>(41, 31, 4, ++seed, frame);
+                if (holes > 0) hfh::test::punch_holes(ground, holes, ++seed);
+                each(ground);
+            }
+        }
+    }
+}
+
+template <class T>
+dvec2 somewhere(Random& random, const Terrain<T>& ground, double margin) {
+    return ground.frame.origin + ground.frame.spacing * dvec2{random.between(-margin, 40 + margin),
+                                                              random.between(-margin, 30 + margin)};
+}
+template <class T>
+dvec2 vertex(Random& random, const Terrain<T>& ground) {
+    return ground.frame.origin + ground.frame.spacing * dvec2{static_cast<double>(random.whole(0, 40)),
+                                                              static_cast<double>(random.whole(0, 30))};
+}
+
+double nudged(Random& random, double x) {
+    for (auto k = random.whole(-3, 3); k != 0; k += k > 0 ? -1 : 1) x = std::nextafter(x, k > 0 ? 1e9 : -1e9);
+    return x;
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("clear stretch: passing over what is clear changes no answer by a bit",
+                   "[clear_stretch][first_hit][law][hard]", float, double) {
+    using T = TestType;
+    Random random{71};
+    SameAsPlain same;
+    each_ground<T>([&](const Terrain<T>& ground) {
+        const auto grid = ground.grid();
+        for (int n = 0; n < 1200; ++n) {
+            dvec2 p = somewhere(random, ground, 2), q = somewhere(random, ground, 2);
+            const dvec2 v = vertex(random, ground), w = vertex(random, ground),
+                        spacing = ground.frame.spacing;
+            switch (n % 12) {
+            case 0:
+            case 1: break;
+            case 2: q = p + 0.02 * (q - p); break; // within a cell or two
+            case 3: q = p + 0.1 * (q - p); break;
+            case 4: p = v, q = w; break;
+            case 5: q = 2.0 * v - p; break;                      // through a vertex
+            case 6: p.x = v.x, q.x = v.x; break;                 // along a line
+            case 7: p.y = v.y, q.y = nudged(random, v.y); break; // along it but for some ulps
+            case 8: p = v, q = v + spacing * static_cast<double>(random.whole(-9, 9)); break; // diagonal
+            case 9: q = p; break;                                                             // vertical
+            case 10: p = {nudged(random, v.x), nudged(random, v.y)}; break;
+            case 11: q = {nudged(random, v.x), nudged(random, v.y)}; break;
+            }
+            // High, low and about the tops; now and then exactly the height of one.
+            const auto height = [&]() -> double {
+                switch (random.whole(0, 5)) {
+                case 0: return random.between(4, 12);
+                case 1: return random.between(-12, -2);
+                case 2: return nudged(random, 4);
+                default: return random.between(-2, 6);
+                }
+            };
+            same.in_every_way(grid, {p, height()}, {q, height()});
+        }
+    });
+    CHECK(same.hits > 20'000);
+    CHECK(same.misses > 20'000);
+    CHECK(same.below > 10'000);
+    CHECK(same.none > 10'000);
+}
+
+TEMPLATE_TEST_CASE("clear stretch: segments of a thousand cells keep their answer to the bit",
+                   "[clear_stretch][first_hit][law]", float, double) {
+    using T = TestType;
+    Random random{72};
+    SameAsPlain same;
+    for (const bool tall : {false, true}) {
+        const Index columns = tall ? 60 : 1200, rows = tall ? 1200 : 60;
+        auto ground = hfh::test::hills<T>(columns, rows, 40, 37, {{-50, 1e5}, {0.7, 3.1}});
+        for (int n = 0; n < 2000; ++n) {
+            if (n == 1000) hfh::test::punch_holes(ground, 2000, 73);
+            dvec2 p = ground.low() + (ground.high() - ground.low()) * dvec2{random.unit(), random.unit()},
+                  q = ground.low() + (ground.high() - ground.low()) * dvec2{random.unit(), random.unit()};
+            if (n % 5 == 0) p = ground.low(), q = ground.high();
+            const double z = random.between(15, 40), w = random.between(-20, 40);
+            const auto kind = n % 2 == 0 ? SurfaceKind::solid : SurfaceKind::sheet;
+            same(ground.grid(), {p, z}, {q, w}, {.surface = kind});
+            same(ground.grid(), {p, -z}, {q, -w}, {.surface = kind});
+        }
+    }
+    CHECK(same.hits > 2'000);
+    CHECK(same.misses > 500);
+}
+
+TEMPLATE_TEST_CASE("clear stretch: heights of every size, and neighbours of another one",
+                   "[clear_stretch][first_hit][hard]", float, double) {
+    using T = TestType;
+    Random random{74};
+    SameAsPlain same;
+    for (int round = 0; round < 60; ++round) {
+        const double size = std::exp2(random.whole(-100, 100));
+        const auto ground = hfh::test::terrain<T>(16, 12, [&](Index, Index) {
+            return size * random.between(-1, 1) * std::exp2(random.whole(-60, 0));
+        });
+        const auto grid = ground.grid();
+        for (int n = 0; n < 300; ++n) {
+            const dvec2 p{random.between(0, 15), random.between(0, 11)},
+                q{random.between(0, 15), random.between(0, 11)};
+            const double z = size * random.between(-1, 1) * std::exp2(random.whole(-60, 1)),
+                         w = size * random.between(-1, 1) * std::exp2(random.whole(-60, 1));
+            same.in_every_way(grid, {p, z}, {q, w});
+        }
+    }
+    CHECK(same.hits > 10'000);
+    CHECK(same.misses > 10'000);
+}
+
+TEMPLATE_TEST_CASE(
+    "clear stretch: it never looks at more cells than allowed, and goes on from where it stopped",
+    "[clear_stretch][first_hit][law]", float, double) {
+    using T = TestType;
+    Random random{75};
+    int limited = 0;
+    const auto ground = hfh::test::hills<T>(200, 200, 10, 17, {{-5, 3}, {0.5, 2}});
+    for (int n = 0; n < 3000; ++n) {
+        const auto place = [&] {
+            return ground.low() + (ground.high() - ground.low()) * dvec2{random.unit(), random.unit()};
+        };
+        const dvec3 a{place(), random.between(4, 9)}, b{place(), random.between(-4, 9)};
+        const Index limit = random.whole(1, 60);
+        Index asked = 0;
+        const Counting<decltype(ground.grid())> counting{ground.grid(), &asked};
+        const auto plain = hfh::test::plain::first_hit(ground.grid(), a, b);
+        dvec3 from = a;
+        Side side = Side::none;
+        double done = 0;
+        for (int casts = 0;; ++casts) {
+            REQUIRE(casts < 1000);
+            asked = 0;
+            const auto found = hfh::first_hit(counting, from, b, {.side = side, .max_cells = limit});
+            REQUIRE(found.cells <= std::max<Index>(limit, 4));
+            // A column asks for two cells as a rule, and once more where it is judged.
+            REQUIRE(asked <= 4 * std::max<Index>(limit, 4) + 8);
+            done += (1 - done) * found.t;
+            side = found.side;
+            if (found.status != HitStatus::cell_limit) {
+                CAPTURE(a.x, a.y, a.z, b.x, b.y, b.z, limit);
+                REQUIRE(found.status == plain.status);
+                if (found.status == HitStatus::hit) REQUIRE(done == Approx(plain.t).margin(1e-9));
+                break;
+            }
+            ++limited;
+            from = from + found.t * (b - from);
+        }
+    }
+    CHECK(limited > 5'000);
+}
+
+TEMPLATE_TEST_CASE("clear stretch: a long flight over low ground asks for few patches and judges none",
+                   "[clear_stretch]", float, double) {
+    using T = TestType;
+    const auto ground = hfh::test::plane<T>(1001, 11, 0);
+    Index asked = 0;
+    const Counting<decltype(ground.grid())> counting{ground.grid(), &asked};
+    const auto found = hfh::first_hit(counting, dvec3{0.5, 0.5, 5}, dvec3{999.5, 9.5, 1});
+    CHECK(found.status == HitStatus::miss);
+    CHECK(found.side == Side::above);
+    CHECK(found.cells == 1009); // 1000 columns, 9 rows crossed
+    CHECK(asked == 2000);       // two a column
+    asked = 0;
+    CHECK(hfh::first_hit(counting, dvec3{2.5, 2.5, 5}, dvec3{3.25, 3.25, 1}).cells == 4);
+    CHECK(asked == 4);
+}
