@@ -15,7 +15,10 @@ set(order
     bilinear_grid
     force_evaluator
     hfh
-    device)
+    device
+    workspace
+    force_guard
+    latest_value)
 
 
 # Force ignores how a contact was found.

@@ -4,6 +4,10 @@
 
 #include <hfh/hfh.hpp>
 
+#include <hfh/force_guard.hpp>
+#include <hfh/latest_value.hpp>
+#include <hfh/workspace.hpp>
+
 #include <cstdint>
 
 namespace hfh {
@@ -28,6 +32,10 @@ template struct FirstHit<float>;
 template struct FirstHit<double>;
 template struct TrackerState<float>;
 template struct TrackerState<double>;
+template class Workspace<float>;
+template class Workspace<double>;
+template class LatestValue<TrackerState<float>>;
+template class LatestValue<DeviceSample>;
 
 #define HFH_TEST_INSTANTIATE(S)                                                                              \
     template class HeightView<S>;                                                                            \
