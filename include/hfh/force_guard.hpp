@@ -183,7 +183,7 @@ private:
             else if (repeats_ <= limits_.max_repeats)
                 ++repeats_;
             const double moved = detail::norm(sample.position - position_);
-            if (moved > 0 || passed < 0) still_since_ = sample.time;
+            if (sample.position != position_ || passed < 0) still_since_ = sample.time;
             const bool still = limits_.max_still > 0 && sample.time - still_since_ > limits_.max_still;
             if (repeats_ > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
 
