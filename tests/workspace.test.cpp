@@ -18,7 +18,10 @@ namespace {
 /// A rotation by a random angle about a random axis (Rodrigues, written out in long double).
 glm::dmat3 random_rotation(Random& random) {
     long double a[3], length = 0;
-    for (auto& x : a) length += (x = random.between(-1, 1)) * x;
+    for (auto& x : a) {
+        x = random.between(-1, 1);
+        length += x * x;
+    }
     length = std::sqrt(length);
     const long double angle = random.between(-3.2, 3.2), c = std::cos(angle), s = std::sin(angle);
     for (auto& x : a) x /= length;
@@ -129,7 +132,7 @@ TEMPLATE_TEST_CASE("Workspace: a clutch holds the terrain position, and nothing 
         if (random.one_in(100)) clutch = !clutch;
         const auto now = workspace.update(hand, clutch);
         CHECK(workspace.clutched() == clutch);
-        if (clutch && was) CHECK(glm::length(now - held) <= tolerance<T>(1000));
+        if (clutch && was) CHECK(static_cast<double>(glm::length(now - held)) <= tolerance<T>(1000));
         if (clutch && !was) held = now;
         // The update in which the clutch is let go of is one of free motion again: it goes with the hand.
         const double step = static_cast<double>(glm::length(now - last));
@@ -138,6 +141,7 @@ TEMPLATE_TEST_CASE("Workspace: a clutch holds the terrain position, and nothing 
     }
     // Re-centred by hand: after many clutches the terrain position is far outside of what the workspace spans.
     for (int n = 0; n < 10; ++n) {
+        (void)workspace.update({0.05, 0, 0}, true);
         (void)workspace.update({-0.05, 0, 0}, true);
         (void)workspace.update({-0.05, 0, 0}, false);
         last = workspace.update({0.05, 0, 0}, false);
