@@ -4,152 +4,192 @@
 #include <hfh/force_guard.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <type_traits>
 #include <vector>
 
 using namespace hfh;
 
-// The three ways in which drivers are called, each with a tiny driver of our own: it calls back, it is polled, or it
-// gives a position only for a force. The device hides which; the tick is the same.
+// Three made-up drivers, one for each way in which real ones call: the concept must fit them all, and one and the same
+// tick must work with each. A mass on a frictionless rail, upright, stands in for the hand: it shows which force was
+// felt when.
 
 namespace {
 
-/// A hand that presses 10 mm into a floor and comes back, in a second.
-glm::dvec3 hand_at(int update) { return {0, 0, 0.005 - 0.01 * std::sin(3.14159265 * update / 1000)}; }
+constexpr double period = 0.001;
+
+/// Moves under the last force, one period at a time. 1 kg, so that newtons are metres per second squared.
+struct Rail {
+    double z = 0.01, speed = 0;
+    std::vector<double> felt{};
+
+    void move(double newtons) {
+        felt.push_back(newtons);
+        speed += newtons * period;
+        z += speed * period;
+    }
+};
 
 // ---- Calls back, from its own loop, in millimetres and y up, until the callback says so (as HDAPI does).
 struct CallbackDriver {
-    void (*callback)(void*, bool& go_on) = nullptr;
+    Rail& rail;
+    bool (*callback)(void*) = nullptr; ///< whether to go on
     void* user = nullptr;
-    int update = 0;
     double force[3]{};
-    std::vector<double> up_forces{};
+    int update = 0;
 
-    void position(double (&mm)[3]) const {
-        const auto p = hand_at(update) * 1000.0;
-        mm[0] = p.x, mm[1] = p.z, mm[2] = -p.y;
-    }
+    void position(double (&mm)[3]) const { mm[0] = 0, mm[1] = 1000 * rail.z, mm[2] = 0; }
     void run() {
         for (bool go_on = true; go_on; ++update) {
-            callback(user, go_on);
-            up_forces.push_back(force[1]);
+            go_on = callback(user);
+            rail.move(force[1]);
         }
     }
 };
 
 class CallbackDevice {
 public:
-    explicit CallbackDevice(CallbackDriver& driver) : driver_{driver} {}
-
     [[nodiscard]] DeviceCapabilities capabilities() const noexcept {
         return {.max_force = 3.3, .rate = 1000};
     }
 
     template <DeviceTick Tick>
     DeviceEnd run(Tick&& tick) {
+        CallbackDriver driver{rail};
         struct Call {
             CallbackDriver& driver;
             std::remove_reference_t<Tick>& tick;
-        } call{driver_, tick};
-        driver_.user = &call;
-        driver_.callback = [](void* user, bool& go_on) {
-            auto& [driver, inner] = *static_cast<Call*>(user);
+            int lost_after;
+            DeviceEnd end = DeviceEnd::stopped;
+        } call{driver, tick, lost_after};
+        driver.user = &call;
+        driver.callback = [](void* user) {
+            auto& [it, inner, last, end] = *static_cast<Call*>(user);
+            std::fill(std::begin(it.force), std::end(it.force), 0.0);
+            if (it.update == last) {
+                end = DeviceEnd::lost;
+                return false;
+            }
             double mm[3];
-            driver.position(mm);
+            it.position(mm);
             const DeviceCommand command = inner(DeviceSample{
-                .time = driver.update * 1e-3, .position = {mm[0] / 1000, -mm[2] / 1000, mm[1] / 1000}});
-            const auto f = command.go_on ? command.newtons : glm::dvec3{0.0};
-            driver.force[0] = f.x, driver.force[1] = f.z, driver.force[2] = -f.y;
-            go_on = command.go_on;
+                .time = it.update * period, .position = {mm[0] / 1000, -mm[2] / 1000, mm[1] / 1000}});
+            if (!command.go_on) return false;
+            const auto& f = command.newtons;
+            it.force[0] = f.x, it.force[1] = f.z, it.force[2] = -f.y;
+            return true;
         };
-        driver_.run();
-        return DeviceEnd::stopped;
+        driver.run();
+        return call.end;
     }
 
-private:
-    CallbackDriver& driver_;
+    Rail rail{};
+    int lost_after = -1;
 };
 
-// ---- Is polled: read, compute, write, as often as one likes; below 0 is an error, above 0 is not (as Force Dimension's).
-struct PolledDriver {
-    int update = -1, unplugged_at = 1 << 30;
-    std::vector<double> up_forces{};
-
-    int get_position(double& x, double& y, double& z) {
-        if (++update >= unplugged_at) return -1;
-        const auto p = hand_at(update);
-        x = p.x, y = p.y, z = p.z;
-        return update % 3; // 1 and 2: news that are no errors
-    }
-    int set_force(double, double, double fz) {
-        up_forces.push_back(fz);
-        return update % 3;
-    }
-};
-
+// ---- Is polled: read, compute, write, in the program's own time; below 0 is an error, above 0 is not (as Force
+// Dimension's).
 class PolledDevice {
 public:
-    explicit PolledDevice(PolledDriver& driver) : driver_{driver} {}
-
     [[nodiscard]] DeviceCapabilities capabilities() const noexcept { return {.max_force = 12, .rate = 4000}; }
 
     template <DeviceTick Tick>
     DeviceEnd run(Tick&& tick) {
         for (;;) {
             DeviceSample sample;
-            if (driver_.get_position(sample.position.x, sample.position.y, sample.position.z) < 0)
-                return DeviceEnd::lost;
-            sample.time = driver_.update * 1e-3;
+            if (get_position(sample.position.z) < 0) return DeviceEnd::lost;
+            sample.time = update_ * period;
             const DeviceCommand command = tick(sample);
-            const auto f = command.go_on ? command.newtons : glm::dvec3{0.0};
-            if (driver_.set_force(f.x, f.y, f.z) < 0) return DeviceEnd::lost;
+            if (set_force(command.go_on ? command.newtons.z : 0) < 0) return DeviceEnd::lost;
             if (!command.go_on) return DeviceEnd::stopped;
         }
     }
 
+    Rail rail{};
+    int lost_after = -1;
+
 private:
-    PolledDriver& driver_;
-};
-
-// ---- Exchanges: a position comes back only for a force that was sent, so the first force is a zero for nothing, and
-// the force for a position acts after the next one has been taken (as Haply's).
-struct ExchangeDriver {
-    int update = 0;
-    std::vector<double> up_forces{};
-
-    glm::dvec3 exchange(const glm::dvec3& newtons) {
-        up_forces.push_back(newtons.z);
-        return hand_at(update++);
+    int get_position(double& z) {
+        if (++update_ == lost_after) return -1;
+        z = rail.z;
+        return update_ % 3; // 1 and 2: news that are no errors
     }
+    int set_force(double newtons) {
+        rail.move(newtons);
+        return update_ % 3;
+    }
+    int update_ = -1;
 };
 
+// ---- Exchanges: a position comes back only for a force sent, so the first force is a zero for nothing, and the force
+// for a position acts one period late (as Haply's).
 class ExchangeDevice {
 public:
-    explicit ExchangeDevice(ExchangeDriver& driver) : driver_{driver} {}
-
     [[nodiscard]] DeviceCapabilities capabilities() const noexcept {
         return {.max_force = 8, .rate = 1000, .delay = 1};
     }
 
     template <DeviceTick Tick>
     DeviceEnd run(Tick&& tick) {
-        glm::dvec3 newtons{0.0};
-        for (;;) {
-            const DeviceSample sample{.time = driver_.update * 1e-3, .position = driver_.exchange(newtons)};
+        double newtons = 0;
+        for (int n = 0;; ++n) {
+            const DeviceSample sample{.time = n * period, .position = {0, 0, exchange(newtons)}};
             const DeviceCommand command = tick(sample);
-            newtons = command.newtons;
-            if (command.go_on) continue;
-            (void)driver_.exchange(glm::dvec3{0.0});
-            return DeviceEnd::stopped;
+            if (!command.go_on) {
+                (void)exchange(0);
+                return DeviceEnd::stopped;
+            }
+            newtons = command.newtons.z;
         }
     }
 
+    Rail rail{};
+
 private:
-    ExchangeDriver& driver_;
+    double exchange(double newtons) {
+        const double seen = rail.z;
+        rail.move(newtons);
+        return seen;
+    }
 };
 
 static_assert(Device<CallbackDevice> && Device<PolledDevice> && Device<ExchangeDevice>);
+
+struct NoRun {
+    [[nodiscard]] DeviceCapabilities capabilities() const noexcept { return {}; }
+};
+struct ThrowingCapabilities : PolledDevice {
+    [[nodiscard]] DeviceCapabilities capabilities() const { return {}; }
+};
+static_assert(!Device<NoRun> && !Device<ThrowingCapabilities> && !Device<int>);
+
+/// A spring to z = 0 that stops after `last` samples.
+struct Spring {
+    int last, seen = 0;
+    double time = -1;
+
+    DeviceCommand operator()(const DeviceSample& sample) {
+        CHECK(sample.time > time);
+        time = sample.time;
+        ++seen;
+        return {.newtons = {0, 0, -400 * sample.position.z}, .go_on = seen < last};
+    }
+};
+static_assert(DeviceTick<Spring>);
+static_assert(!DeviceTick<void (*)(const DeviceSample&)>); // gives no command
+
+/// The rail after `updates` of a force that answers the position `late` periods before, the last one without force.
+double expected(int updates, int late) {
+    double z = 0.01, speed = 0, force = 0;
+    for (int n = 0; n < updates; ++n) {
+        const double answer = n + 1 < updates ? -400 * z : 0;
+        speed += (late == 0 ? answer : force) * period;
+        z += speed * period;
+        force = answer;
+    }
+    // An exchange that is late sends its zero in a period of its own.
+    if (late == 1) z += speed * period;
+    return z;
+}
 
 /// A floor at height 0 of 500 N/m, felt through a guard, for a second.
 struct Floor {
@@ -165,47 +205,54 @@ struct Floor {
 };
 static_assert(DeviceTick<Floor>);
 
-template <class Driver>
-void check_floor(const Driver& driver, const Floor& floor, std::size_t late) {
-    REQUIRE(floor.asked.size() == 1000);
-    REQUIRE(driver.up_forces.size() == 1000 + late);
-    CHECK(*std::max_element(floor.asked.begin(), floor.asked.end()) == Approx(2.5).epsilon(1e-6));
-    CHECK(driver.up_forces.back() == 0); // the last thing a device is told
-    for (std::size_t n = 0; n + 1 < 1000; ++n) CHECK(driver.up_forces[n + late] == floor.asked[n]);
-}
-
 } // namespace
 
-TEST_CASE("Device: a driver that calls back", "[device]") {
-    CallbackDriver driver;
-    CallbackDevice device{driver};
-    Floor floor;
-    CHECK(device.run(floor) == DeviceEnd::stopped);
-    check_floor(driver, floor, 0);
+TEST_CASE("Device: one tick fits drivers that call back, are polled and exchange", "[device]") {
+    CallbackDevice callback;
+    PolledDevice polled;
+    ExchangeDevice exchange;
+    Spring a{.last = 50}, b{.last = 50}, c{.last = 50};
+    CHECK(callback.run(a) == DeviceEnd::stopped);
+    CHECK(polled.run(b) == DeviceEnd::stopped);
+    CHECK(exchange.run(c) == DeviceEnd::stopped);
+    for (const Spring& tick : {a, b, c}) CHECK(tick.seen == 50); // none after the one that said stop
+    CHECK(callback.rail.z == Approx(expected(50, 0)).epsilon(1e-12));
+    CHECK(polled.rail.z == Approx(expected(50, 0)).epsilon(1e-12));
+    CHECK(exchange.rail.z == Approx(expected(50, exchange.capabilities().delay)).epsilon(1e-12));
+    CHECK(exchange.rail.z != polled.rail.z); // the delay is felt
 }
 
-TEST_CASE("Device: a driver that is polled", "[device]") {
-    PolledDriver driver;
-    PolledDevice device{driver};
+TEMPLATE_TEST_CASE("Device: a mass that falls on a guarded floor feels what the guard let through",
+                   "[device]", CallbackDevice, PolledDevice, ExchangeDevice) {
+    TestType device;
+    device.rail.speed = -0.1;
     Floor floor;
     CHECK(device.run(floor) == DeviceEnd::stopped);
-    check_floor(driver, floor, 0);
-
-    PolledDriver unplugged{.unplugged_at = 10};
-    PolledDevice lost{unplugged};
-    int ticks = 0;
-    CHECK(lost.run([&](const DeviceSample&) -> DeviceCommand {
-        return {{}, ++ticks < 100};
-    }) == DeviceEnd::lost);
-    CHECK(ticks == 10);
+    const auto late = static_cast<std::size_t>(device.capabilities().delay);
+    const auto& felt = device.rail.felt;
+    REQUIRE(floor.asked.size() == 1000);
+    REQUIRE(felt.size() == 1000 + late);
+    CHECK(felt.back() == 0); // the last thing a device is told
+    for (std::size_t n = 0; n + 1 < 1000; ++n) CHECK(felt[n + late] == floor.asked[n]);
+    // ½mv² = ½kd² gives d = v·√(m/k) and F = v·√(m·k) = 2.24 N; the late floor is pressed a little deeper.
+    const double most = *std::max_element(felt.begin(), felt.end());
+    CHECK(most > 2.1);
+    CHECK(most < 2.5);
+    CHECK(device.rail.speed > 0.09); // and it came up again
+    for (int k = 1; k < guard_trip_count; ++k) CHECK(floor.guard.counts().trips[k] == 0);
 }
 
-TEST_CASE("Device: a driver that gives a position for a force acts one update late, and tells so",
-          "[device]") {
-    ExchangeDriver driver;
-    ExchangeDevice device{driver};
-    Floor floor;
-    CHECK(device.run(floor) == DeviceEnd::stopped);
-    CHECK(device.capabilities().delay == 1);
-    check_floor(driver, floor, static_cast<std::size_t>(device.capabilities().delay));
+TEMPLATE_TEST_CASE("Device: a run that breaks says how, and calls no more", "[device]", CallbackDevice,
+                   PolledDevice) {
+    TestType device;
+    device.lost_after = 7;
+    Spring tick{.last = 50};
+    CHECK(device.run(tick) == DeviceEnd::lost);
+    CHECK(tick.seen == 7);
+}
+
+TEST_CASE("Device: a default command is no force and going on", "[device]") {
+    CHECK(DeviceCommand{}.newtons == glm::dvec3{0});
+    CHECK(DeviceCommand{}.go_on);
+    CHECK(DeviceCapabilities{}.max_force == 0);
 }

@@ -16,10 +16,8 @@ set(order
     force_evaluator
     hfh
     device
-    workspace
-    force_guard
-    latest_value)
-
+    damping force_shading level_beyond
+    workspace force_guard latest_value)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
