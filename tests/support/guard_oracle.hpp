@@ -38,8 +38,9 @@ namespace hfh::test {
                                         std::bit_cast<std::uint64_t>(p.y) | std::bit_cast<std::uint64_t>(p.z);
     return bits == 0;
 }
+[[nodiscard]] constexpr long double wide(double x) { return static_cast<long double>(x); }
 [[nodiscard]] inline long double distance(const glm::dvec3& a, const glm::dvec3& b) {
-    const long double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    const long double x = wide(a.x) - wide(b.x), y = wide(a.y) - wide(b.y), z = wide(a.z) - wide(b.z);
     return std::sqrt(x * x + y * y + z * z);
 }
 
@@ -89,31 +90,30 @@ private:
             ramp_time_ = 0;
             return nullptr;
         }
-        const long double length = distance(sent, glm::dvec3{0.0});
-        if (length > limits_.max_force * (1 + 1e-12L)) return "never longer than max_force";
+        const long double length = distance(sent, glm::dvec3{0.0}), most = wide(limits_.max_force);
+        if (length > most * (1 + 1e-12L)) return "never longer than max_force";
 
         long double step = 0;
         if (!good_.empty() && update.sample.time > good_.back().time)
-            step = static_cast<long double>(update.sample.time) - good_.back().time;
-        const long double allowed = 1000 * limits_.max_slew * step;
+            step = wide(update.sample.time) - wide(good_.back().time);
+        const long double allowed = 1000 * wide(limits_.max_slew) * step;
         const long double changed = distance(sent, sent_);
-        if (changed > allowed * (1 + 1e-9L) + 1e-12L * limits_.max_force) return "no faster than max_slew";
+        if (changed > allowed * (1 + 1e-9L) + 1e-12L * most) return "no faster than max_slew";
 
         ramp_time_ += step;
-        const long double gain =
-            limits_.ramp > 0 && ramp_time_ < limits_.ramp ? ramp_time_ / limits_.ramp : 1.0L;
-        if (length > gain * limits_.max_force * (1 + 1e-9L) + 1e-12L) return "below the ramp";
+        const long double ramp = wide(limits_.ramp);
+        const long double gain = ramp_time_ < ramp ? ramp_time_ / ramp : 1.0L;
+        if (length > gain * most * (1 + 1e-9L) + 1e-12L) return "below the ramp";
 
         // What is sent is on the way from the last force to the one asked for, and there if the slew allows it.
         const long double asked = distance(update.asked, glm::dvec3{0.0});
-        const long double cut = asked > limits_.max_force ? limits_.max_force / asked : 1.0L;
+        const long double cut = asked > most ? most / asked : 1.0L;
         const long double scale = gain * cut;
         const glm::dvec3 target = update.asked * static_cast<double>(scale);
         const long double whole = distance(target, sent_);
         const long double left = whole > allowed ? whole - allowed : 0.0L;
         const long double error = distance(target, sent) - left;
-        if (error > 1e-9L * limits_.max_force || error < -1e-9L * limits_.max_force)
-            return "goes straight to the force asked for";
+        if (error > 1e-9L * most || error < -1e-9L * most) return "goes straight to the force asked for";
         return nullptr;
     }
 
@@ -142,10 +142,10 @@ private:
         const bool still = limits_.max_still > 0 && now.time - since > limits_.max_still;
         if (repeats > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
 
-        const long double step = now.time > last.time ? static_cast<long double>(now.time) - last.time : 0.0L;
+        const long double step = now.time > last.time ? wide(now.time) - wide(last.time) : 0.0L;
         const long double moved = distance(now.position, last.position);
         if (moved > 1e-150L &&
-            moved > limits_.max_step + limits_.max_speed * step) // its square may underflow
+            moved > wide(limits_.max_step) + wide(limits_.max_speed) * step) // its square may underflow
             causes |= bit(GuardTrip::jump);
         return causes;
     }
