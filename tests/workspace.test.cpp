@@ -133,6 +133,8 @@ TEMPLATE_TEST_CASE("Workspace: a clutch holds the terrain position, and nothing 
         if (random.one_in(100)) clutch = !clutch;
         const auto now = workspace.update(hand, clutch);
         CHECK(workspace.clutched() == clutch);
+        CHECK(glm::length(workspace.velocity_on_terrain({0, 1, 0})) ==
+              Approx(clutch ? 0 : 1000).epsilon(1e-6));
         if (clutch && was) CHECK(static_cast<double>(glm::length(now - held)) <= tolerance<T>(1000));
         if (clutch && !was) held = now;
         // The update in which the clutch is let go of is one of free motion again: it goes with the hand.

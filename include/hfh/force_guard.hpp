@@ -3,7 +3,9 @@
 
 #include <hfh/device.hpp>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 // Stands between what a scene wants a hand to feel and the motors. Whatever goes wrong before it, what leaves it is
 // finite, no longer than a limit, and rises no faster than another.

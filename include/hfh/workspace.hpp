@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include <cmath>
+
 // A hand's breadth of device, kilometres of terrain.
 
 namespace hfh {
@@ -95,9 +97,9 @@ public:
     [[nodiscard]] glm::dvec3 to_hand(const glm::dvec3& terrain) const noexcept {
         return (terrain - frame_.offset) * frame_.rotation / frame_.scale;
     }
-    /// m/s at the hand → m/s on the terrain.
+    /// m/s at the hand → m/s on the terrain; none while the clutch is held.
     [[nodiscard]] vec3<T> velocity_on_terrain(const glm::dvec3& velocity) const noexcept {
-        return vec3<T>{turned(velocity)};
+        return clutched_ ? vec3<T>{0} : vec3<T>{turned(velocity)};
     }
     /// N on the terrain → N at the hand: s · Rᵀ · F.
     [[nodiscard]] glm::dvec3 force_at_hand(const vec3<T>& newtons) const noexcept {

@@ -1,6 +1,7 @@
 #include "fake_hd.hpp"
 
 #include <algorithm>
+#include <mutex>
 
 namespace hfh::test {
 
@@ -17,7 +18,15 @@ static void start_hand() {}
 static void stop_hand() {}
 #endif
 
+/// A driver may be called from any thread while it ticks in its own.
+static std::unique_lock<std::recursive_mutex> lock() {
+    static std::recursive_mutex mutex;
+    return std::unique_lock{mutex};
+}
+
 void FakeHd::update() {
+    const auto locked = lock();
+    if (callback == nullptr) return; // it was done
     if (before_update) before_update(updates);
     ++updates;
     in_tick.clear();
@@ -51,6 +60,7 @@ void raise(unsigned error) {
 using namespace hfh::test;
 
 HDErrorInfo hdGetError() {
+    const auto locked = lock();
     note("error");
     FakeHd& hd = fake_hd();
     HDErrorInfo info{};
@@ -61,6 +71,7 @@ HDErrorInfo hdGetError() {
 }
 
 HHD hdInitDevice(HDstring) {
+    const auto locked = lock();
     note("init");
     FakeHd& hd = fake_hd();
     must(hd.errors.empty(), "errors of before are taken before init");
@@ -71,6 +82,7 @@ HHD hdInitDevice(HDstring) {
 }
 
 void hdDisableDevice(HHD device) {
+    const auto locked = lock();
     note("close");
     must(device == 5 && fake_hd().open, "an open device is closed");
     must(!fake_hd().started, "the scheduler is stopped before the device is closed");
@@ -78,6 +90,7 @@ void hdDisableDevice(HHD device) {
 }
 
 void hdEnable(HDenum capability) {
+    const auto locked = lock();
     note(capability == HD_FORCE_OUTPUT         ? "enable output"
          : capability == HD_FORCE_RAMPING      ? "enable ramping"
          : capability == HD_MAX_FORCE_CLAMPING ? "enable clamping"
@@ -88,12 +101,14 @@ void hdEnable(HDenum capability) {
 }
 
 void hdDisable(HDenum capability) {
+    const auto locked = lock();
     note("disable output");
     must(capability == HD_FORCE_OUTPUT, "only the output is disabled");
     std::fill(fake_hd().force.begin(), fake_hd().force.end(), 0.0);
 }
 
 void hdGetDoublev(HDenum name, HDdouble* values) {
+    const auto locked = lock();
     FakeHd& hd = fake_hd();
     if (name == HD_CURRENT_POSITION || name == HD_CURRENT_VELOCITY) must(hd.in_frame, "read within a frame");
     switch (name) {
@@ -122,6 +137,7 @@ void hdGetDoublev(HDenum name, HDdouble* values) {
 }
 
 void hdGetIntegerv(HDenum name, HDint* values) {
+    const auto locked = lock();
     FakeHd& hd = fake_hd();
     switch (name) {
     case HD_CURRENT_BUTTONS:
@@ -138,30 +154,35 @@ void hdGetIntegerv(HDenum name, HDint* values) {
 }
 
 void hdSetDoublev(HDenum name, const HDdouble* values) {
+    const auto locked = lock();
     note("force");
     must(name == HD_CURRENT_FORCE && fake_hd().in_frame, "the force is set within a frame");
     fake_hd().force.assign(values, values + 3);
 }
 
 void hdBeginFrame(HHD device) {
+    const auto locked = lock();
     note("begin");
     must(device == 5 && !fake_hd().in_frame && fake_hd().ticking, "a frame begins in a tick");
     fake_hd().in_frame = true;
 }
 
 void hdEndFrame(HHD device) {
+    const auto locked = lock();
     note("end");
     must(device == 5 && fake_hd().in_frame, "a frame ends that has begun");
     fake_hd().in_frame = false;
 }
 
 HDenum hdCheckCalibration() {
+    const auto locked = lock();
     note("check calibration");
     must(fake_hd().ticking, "calibration is checked in the servo loop");
     return fake_hd().calibration;
 }
 
 void hdUpdateCalibration(HDenum style) {
+    const auto locked = lock();
     note("update calibration");
     FakeHd& hd = fake_hd();
     must(hd.ticking && !hd.in_frame, "calibration is updated in the servo loop, outside of a frame");
@@ -171,6 +192,7 @@ void hdUpdateCalibration(HDenum style) {
 }
 
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* user, HDushort priority) {
+    const auto locked = lock();
     note("schedule");
     FakeHd& hd = fake_hd();
     must(!hd.started, "scheduled before the scheduler starts");
@@ -182,6 +204,7 @@ HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* use
 }
 
 void hdUnschedule(HDSchedulerHandle handle) {
+    const auto locked = lock();
     note("unschedule");
     must(handle == 0x1'0000'0001ul, "what was scheduled is unscheduled");
     must(!fake_hd().started, "stopped before it is unscheduled");
@@ -189,6 +212,7 @@ void hdUnschedule(HDSchedulerHandle handle) {
 }
 
 void hdStartScheduler() {
+    const auto locked = lock();
     note("start");
     raise(fake_hd().start_error);
     fake_hd().started = fake_hd().start_error == 0;
@@ -196,7 +220,8 @@ void hdStartScheduler() {
 }
 
 void hdStopScheduler() {
+    stop_hand(); // waits for a tick that may call the driver
+    const auto locked = lock();
     note("stop");
-    stop_hand();
     fake_hd().started = false;
 }

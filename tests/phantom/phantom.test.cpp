@@ -243,6 +243,32 @@ TEST_CASE("phantom: a callback that comes late is counted and measured", "[phant
     CHECK(report.latest == Approx(0.25).epsilon(1e-3));
 }
 
+TEST_CASE("phantom: after a callback that comes too late the guard gives zero at once, then the ramp",
+          "[phantom]") {
+    auto& hd = fresh();
+    Phantom device;
+    ForceGuard guard{{.ramp = 0.1}};
+    int tick = 0;
+    const auto guarded = [&](const DeviceSample& sample) -> DeviceCommand {
+        return {guard.update(sample, {0, 0, 2}).newtons, ++tick < 1000};
+    };
+    std::vector<double> up;
+    hd.before_update = [&](int n) {
+        if (n > 0) up.push_back(hd.force[1]);
+        if (n == 300) hd.time += 0.0015; // late, but nothing to a hand
+        if (n == 600) hd.time += 0.020;
+    };
+    CHECK(device.run(guarded) == DeviceEnd::stopped);
+    CHECK(device.report().late == 2);
+    CHECK(guard.counts().trips[static_cast<int>(GuardTrip::stale)] == 1);
+    CHECK(up[200] == 2);
+    CHECK(up[300] == 2);
+    CHECK(up[599] == 2);
+    CHECK(up[600] == 0);
+    CHECK(up[650] == Approx(1).epsilon(0.03));
+    CHECK(up[750] == 2);
+}
+
 TEST_CASE("phantom: how long the tick takes is measured", "[phantom]") {
     auto& hd = fresh();
     Phantom device;

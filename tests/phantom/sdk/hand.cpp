@@ -18,11 +18,11 @@ std::atomic<bool> on{false};
 void start_hand();
 void start_hand() {
     on = true;
+    fake_hd().before_update = [](int n) { fake_hd().position[1] = 10 + 40 * std::cos(n * 1e-3 * 6.28); };
     servo = std::thread{[] {
         FakeHd& hd = fake_hd();
         auto next = std::chrono::steady_clock::now();
-        while (on && hd.running()) {
-            hd.position[1] = 10 + 40 * std::cos(hd.updates * 1e-3 * 6.28);
+        while (on) {
             hd.update();
             std::this_thread::sleep_until(next += std::chrono::milliseconds{1});
         }

@@ -1,5 +1,5 @@
-# Run by CTest: installs the fake SDK below WORK, finds it by the environment variable ROOT, builds phantom_touch against
-# it and runs it for a second.
+# Run by CTest: installs the fake SDK below WORK, finds it by the environment, builds phantom_touch against it and runs it
+# for a second. Before that, without an SDK, sees that nothing is built and that this is said.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -21,8 +21,17 @@ set(options -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${CXX
 run(${CMAKE_COMMAND} -S ${here} -B ${WORK}/fake ${options} -DFAKE=ON -DCMAKE_INSTALL_PREFIX=${WORK}/sdk)
 run(${CMAKE_COMMAND} --build ${WORK}/fake --config Release --target install)
 
-set(ENV{${ROOT}} ${WORK}/sdk)
+run(${CMAKE_COMMAND} --fresh -S ${here} -B ${WORK}/none ${options} -DHFH_SOURCE_DIR=${HFH_SOURCE_DIR}
+    -DCMAKE_DISABLE_FIND_PACKAGE_OpenHaptics=ON)
+if(NOT output MATCHES "phantom_touch: no OpenHaptics SDK.*not built" OR NOT output MATCHES "phantom_touch is not a target")
+    message(FATAL_ERROR "phantom_touch is built without an SDK, or nothing is said")
+endif()
+
+set(ENV{OH_SDK_BASE} ${WORK}/sdk)
 run(${CMAKE_COMMAND} --fresh -S ${here} -B ${WORK}/user ${options} -DHFH_SOURCE_DIR=${HFH_SOURCE_DIR})
+if(NOT output MATCHES "phantom_touch is a target")
+    message(FATAL_ERROR "phantom_touch is not built though the SDK is there")
+endif()
 run(${CMAKE_COMMAND} --build ${WORK}/user --config Release --target phantom_touch)
 file(GLOB_RECURSE program ${WORK}/user/phantom/phantom_touch ${WORK}/user/phantom/phantom_touch.exe)
 run(${program} 1)
