@@ -35,10 +35,12 @@ void FakeHd::update() {
     ticking = false;
     if (in_frame) breaches.emplace_back("a tick ends within a frame");
     if (!errors.empty()) breaches.emplace_back("a tick leaves errors behind");
-    if (code == HD_CALLBACK_DONE)
+    if (code == HD_CALLBACK_DONE) {
         callback = nullptr;
-    else if (code != HD_CALLBACK_CONTINUE)
+        left = force;
+    } else if (code != HD_CALLBACK_CONTINUE) {
         breaches.emplace_back("a callback returns something else");
+    }
 }
 
 namespace {

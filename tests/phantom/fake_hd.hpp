@@ -30,6 +30,7 @@ struct FakeHd {
     // What has come of it.
     std::vector<unsigned> enabled{};
     std::vector<double> force{0, 0, 0}; ///< what the motors do
+    std::vector<double> left{};         ///< what they did after the last tick of a run
     unsigned priority = 0;
     int calibrations = 0;
 

@@ -70,6 +70,8 @@ TEST_CASE("phantom: calls in the order that the driver asks for, and leaves it a
         Asks asks;
         CHECK(device.run(asks) == DeviceEnd::stopped);
         CHECK(asks.samples.size() == 100);
+        CHECK(hd.left ==
+              std::vector<double>{0, 0, 0}); // by the tick that said stop, not only by what follows
         CHECK(forceless(hd));
     }
     CHECK(hd.breaches == Names{});
