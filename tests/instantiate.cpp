@@ -3,9 +3,12 @@
 // without RTTI.
 
 #include <hfh/damping.hpp>
+#include <hfh/force_guard.hpp>
 #include <hfh/force_shading.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/latest_value.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/workspace.hpp>
 
 #include <cstdint>
 
@@ -35,6 +38,10 @@ template struct FirstHit<float>;
 template struct FirstHit<double>;
 template struct TrackerState<float>;
 template struct TrackerState<double>;
+template class Workspace<float>;
+template class Workspace<double>;
+template class LatestValue<TrackerState<float>>;
+template class LatestValue<DeviceSample>;
 
 #define HFH_TEST_INSTANTIATE(S)                                                                              \
     template class HeightView<S>;                                                                            \
