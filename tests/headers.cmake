@@ -15,6 +15,7 @@ set(order
     bilinear_grid
     force_evaluator
     hfh
+    height_bounds
     device)
 
 

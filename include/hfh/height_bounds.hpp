@@ -1,0 +1,349 @@
+#ifndef HFH_HEIGHT_BOUNDS_HPP
+#define HFH_HEIGHT_BOUNDS_HPP
+
+#include <hfh/bilinear_grid.hpp>
+#include <hfh/height_field.hpp>
+#include <hfh/height_view.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <type_traits>
+
+// Optional bounds on heights for long searches: a coarse pyramid of lowest and highest samples beside the grid.
+// Based on: Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering (2008).
+
+namespace hfh {
+
+/// The lowest and the highest of some samples; lowest > highest where one is missing, which bounds nothing.
+template <Sample S>
+struct SampleRange {
+    S lowest = std::numeric_limits<S>::max();
+    S highest = std::numeric_limits<S>::lowest();
+
+    [[nodiscard]] constexpr bool holed() const noexcept { return highest < lowest; }
+};
+
+/// Why a pyramid bounds nothing, or `ok`.
+enum class BoundsStatus : unsigned char {
+    ok,
+    too_few_samples,    ///< fewer than 2 columns or 2 rows, or the grid's own status is not ok
+    too_little_storage, ///< less than `size()` ranges, or none
+    other_size          ///< these heights have not the columns and rows that the pyramid is made for
+};
+
+namespace detail {
+
+/// log₂ of the cells along a side of a block of level 0.
+inline constexpr int block_bits = 4;
+inline constexpr Index block_side = Index{1} << block_bits;
+
+/// No surface at this sample, whatever the grid's scale.
+template <HeightSource Heights>
+[[nodiscard]] constexpr bool is_hole(const Heights& heights, typename Heights::SampleType sample) noexcept {
+    using S = typename Heights::SampleType;
+    if constexpr (std::is_floating_point_v<S>) {
+        using Checked = std::conditional_t<std::same_as<S, float>, float, double>;
+        if (!is_finite(static_cast<Checked>(sample))) return true;
+    }
+    return heights.missing(sample);
+}
+
+/// Where the samples of row j begin at column i: a pointer if they lie side by side.
+template <HeightSource Heights>
+struct SourceRow {
+    const Heights& heights;
+    Index i, j;
+    [[nodiscard]] constexpr auto operator[](Index c) const noexcept { return heights(i + c, j); }
+};
+
+/// Column by column over some rows: the lowest sample, the highest, and whether one is missing. Loops without a branch
+/// over arrays of equally wide numbers, so that a compiler makes vector code of them.
+template <Sample S>
+class ColumnStrip {
+public:
+    /// What three arrays of a few KiB hold, so that they stay in the first-level cache and on any stack.
+    static constexpr Index most_blocks = std::max<Index>(1, HFH_STRIP / (block_side * Index{sizeof(S)}));
+
+    /// Rows first ≤ j < last, at least one, of `columns` samples from column i on, at most 16·most_blocks + 1.
+    template <HeightSource Heights>
+    constexpr void read(const Heights& heights, Index i, Index columns, Index first, Index last) noexcept {
+        read(heights, columns, first, last, [&](Index j) { return SourceRow<Heights>{heights, i, j}; });
+    }
+    template <class Missing>
+    constexpr void read(const HeightView<S, Missing>& heights, Index i, Index columns, Index first,
+                        Index last) noexcept {
+        if (heights.column_stride() == 1) {
+            read(heights, columns, first, last,
+                 [&](Index j) { return heights.data() + i + j * heights.row_stride(); });
+        } else {
+            read(heights, columns, first, last,
+                 [&](Index j) { return SourceRow<HeightView<S, Missing>>{heights, i, j}; });
+        }
+    }
+
+    /// Over columns 16b to 16b + 16, both shared with the neighbours, as far as there are so many.
+    [[nodiscard]] constexpr SampleRange<S> block(Index b, Index columns) const noexcept {
+        const Index first = b * block_side, last = std::min(first + block_side, columns - 1);
+        SampleRange<S> range{lowest_[last], highest_[last]};
+        Flag hole = hole_[last];
+        const auto take = [&](Index c) {
+            range.lowest = std::min(range.lowest, lowest_[c]);
+            range.highest = std::max(range.highest, highest_[c]);
+            hole = static_cast<Flag>(hole | hole_[c]);
+        };
+        if (last - first == block_side) {
+            for (Index k = 0; k < block_side; ++k) take(first + k);
+        } else {
+            for (Index c = first; c < last; ++c) take(c);
+        }
+        return hole != 0 ? SampleRange<S>{} : range;
+    }
+
+private:
+    // clang-format off
+    using Flag = std::conditional_t<sizeof(S) == 2, std::uint16_t,
+                 std::conditional_t<sizeof(S) == 4, std::uint32_t,
+                 std::conditional_t<sizeof(S) == 8, std::uint64_t, std::uint8_t>>>;
+    // clang-format on
+
+    template <HeightSource Heights, class RowAt>
+    constexpr void read(const Heights& heights, Index columns, Index first, Index last,
+                        const RowAt& row_at) noexcept {
+        const auto flag = [&](S sample) { return is_hole(heights, sample) ? Flag{1} : Flag{0}; };
+        const auto row = row_at(first);
+        for (Index c = 0; c < columns; ++c) {
+            lowest_[c] = highest_[c] = row[c];
+            hole_[c] = flag(row[c]);
+        }
+        for (Index j = first + 1; j < last; ++j) {
+            const auto next = row_at(j);
+            for (Index c = 0; c < columns; ++c) {
+                const S sample = next[c];
+                lowest_[c] = std::min(lowest_[c], sample);
+                highest_[c] = std::max(highest_[c], sample);
+                hole_[c] = static_cast<Flag>(hole_[c] | flag(sample));
+            }
+        }
+    }
+
+    S lowest_[most_blocks * block_side + 1];
+    S highest_[most_blocks * block_side + 1];
+    Flag hole_[most_blocks * block_side + 1];
+};
+
+} // namespace detail
+
+/// The lowest and highest samples over blocks of cells, levels and blocks as in `BoundedHeightField`: level l has blocks
+/// of 2ᵇ × 2ᵇ cells, b = 4 + l, and the highest level has one, which holds all cells. n × n cells touch (n+1) × (n+1)
+/// samples. A view on the user's own storage, level by level, each row by row:
+///
+///     std::vector<SampleRange<S>> storage(HeightBounds<S>::size(columns, rows));
+///     HeightBounds<S> bounds{storage.data(), std::ssize(storage), columns, rows};
+///     bounds.build(heights);
+///
+/// Copies look at the same storage, which must outlive them. Ranges as they are made bound nothing, so neither does a
+/// pyramid before `build`. Nothing here throws or allocates.
+template <Sample S>
+class HeightBounds {
+public:
+    using SampleType = S;
+    using Range = SampleRange<S>;
+
+    /// The ranges of storage that columns × rows samples need, 0 if they make no cell: one for each block of 256 cells
+    /// and a third of that above. In bytes, sizeof(S)/96 a sample and a little for blocks cut off at the border.
+    [[nodiscard]] static constexpr Index size(Index columns, Index rows) noexcept {
+        return HeightBounds{}.lay_out(columns, rows);
+    }
+
+    constexpr HeightBounds() noexcept = default;
+    constexpr HeightBounds(Range* storage, Index count, Index columns, Index rows) noexcept {
+        const Index wanted = lay_out(columns, rows);
+        if (wanted == 0) return;
+        const bool enough = storage != nullptr && count >= wanted;
+        if (enough) ranges_ = storage;
+        status_ = enough ? BoundsStatus::ok : BoundsStatus::too_little_storage;
+    }
+
+    [[nodiscard]] constexpr BoundsStatus status() const noexcept { return status_; }
+    /// 0 if there is no cell; the same whether there is storage or not.
+    [[nodiscard]] constexpr int levels() const noexcept { return levels_; }
+    /// Bounds nothing where there is no such block, and if the status is not ok.
+    [[nodiscard]] constexpr Range range(int level, Cell block) const noexcept {
+        if (ranges_ == nullptr || level < 0 || level >= levels_ || !blocks(level).contains(block)) return {};
+        return at(level, block);
+    }
+
+    /// Makes all ranges, in one pass that reads every sample once, row by row. Heights that lie side by side in memory
+    /// (a `HeightView` with a column stride of 1) are read nearly as fast as memory can be.
+    template <HeightSource Heights>
+        requires std::same_as<typename Heights::SampleType, S>
+    constexpr BoundsStatus build(const Heights& heights) noexcept {
+        return update(heights, {{0, 0}, {columns_, rows_}});
+    }
+
+    /// Makes the ranges anew that samples first.i ≤ i < last.i, first.j ≤ j < last.j touch, as far as there are such:
+    /// after an edit of them. Reads the blocks of these samples and no others: up to 4 of 17 × 17 samples for a brush of
+    /// up to 16 × 16, then at most 4 ranges for each of as many or fewer blocks on every level.
+    template <HeightSource Heights>
+        requires std::same_as<typename Heights::SampleType, S>
+    constexpr BoundsStatus update(const Heights& heights, const CellRange& samples) noexcept {
+        if (status_ != BoundsStatus::ok) return status_;
+        if (heights.columns() != columns_ || heights.rows() != rows_) return BoundsStatus::other_size;
+        // Sample i is a corner of the cells i − 1 and i.
+        const CellRange cells{
+            {std::max<Index>(samples.first.i, 1) - 1, std::max<Index>(samples.first.j, 1) - 1},
+            {std::min(samples.last.i, columns_ - 1), std::min(samples.last.j, rows_ - 1)}};
+        if (samples.empty() || cells.empty()) return status_;
+        CellRange touched{{cells.first.i >> detail::block_bits, cells.first.j >> detail::block_bits},
+                          {((cells.last.i - 1) >> detail::block_bits) + 1,
+                           ((cells.last.j - 1) >> detail::block_bits) + 1}};
+        read_blocks(heights, touched);
+        for (int level = 1; level < levels_; ++level) {
+            touched = {{touched.first.i / 2, touched.first.j / 2},
+                       {(touched.last.i + 1) / 2, (touched.last.j + 1) / 2}};
+            for (Index j = touched.first.j; j < touched.last.j; ++j) {
+                for (Index i = touched.first.i; i < touched.last.i; ++i) join_below(level, {i, j});
+            }
+        }
+        return status_;
+    }
+
+private:
+    /// Sets all members but the storage and the status; the ranges needed, at most as many as an Index can count.
+    constexpr Index lay_out(Index columns, Index rows) noexcept {
+        if (columns < 2 || rows < 2) return 0;
+        columns_ = columns;
+        rows_ = rows;
+        const Cell last{(columns - 2) >> detail::block_bits, (rows - 2) >> detail::block_bits};
+        levels_ = 1 + static_cast<int>(std::bit_width(static_cast<std::size_t>(std::max(last.i, last.j))));
+        Index count = 0;
+        for (int level = 0; level < levels_; ++level) {
+            starts_[level] = count;
+            const auto [i, j] = blocks(level).last;
+            constexpr Index most = std::numeric_limits<Index>::max();
+            if (i > (most - count) / j) return most;
+            count += i * j;
+        }
+        return count;
+    }
+
+    [[nodiscard]] constexpr CellRange blocks(int level) const noexcept {
+        const int bits = detail::block_bits + level;
+        return {{0, 0}, {((columns_ - 2) >> bits) + 1, ((rows_ - 2) >> bits) + 1}};
+    }
+    [[nodiscard]] constexpr Range& at(int level, Cell block) const noexcept {
+        return ranges_[starts_[level] + block.j * blocks(level).last.i + block.i];
+    }
+
+    /// Both together; holed if one is.
+    [[nodiscard]] static constexpr Range join(const Range& a, const Range& b) noexcept {
+        if (a.holed() || b.holed()) return {};
+        return {std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
+    }
+    constexpr void join_below(int level, Cell block) noexcept {
+        const Cell last = blocks(level - 1).last;
+        const Index i = 2 * block.i, j = 2 * block.j, east = std::min(i + 1, last.i - 1),
+                    north = std::min(j + 1, last.j - 1);
+        at(level, block) = join(join(at(level - 1, {i, j}), at(level - 1, {east, j})),
+                                join(at(level - 1, {i, north}), at(level - 1, {east, north})));
+    }
+
+    /// Makes ranges of level 0, row after row of blocks, each in pieces that a strip holds.
+    template <HeightSource Heights>
+    constexpr void read_blocks(const Heights& heights, const CellRange& wanted) noexcept {
+        constexpr Index most = detail::ColumnStrip<S>::most_blocks;
+        for (Index j = wanted.first.j; j < wanted.last.j; ++j) {
+            for (Index i = wanted.first.i; i < wanted.last.i; i += most) {
+                const CellRange piece{{i, j}, {std::min(i + most, wanted.last.i), j + 1}};
+                read_piece(heights, piece, j == wanted.first.j, j + 1 < wanted.last.j);
+            }
+        }
+    }
+
+    /// One row of blocks. The row of samples that two rows of blocks share is read once: `first` tells that the lower
+    /// one has not been read with the blocks before, `more` that the upper one is wanted for those behind.
+    template <HeightSource Heights>
+    constexpr void read_piece(const Heights& heights, const CellRange& piece, bool first, bool more) noexcept {
+        constexpr Index side = detail::block_side;
+        const auto [i, j] = piece.first;
+        const Index count = piece.last.i - i;
+        const Index columns = std::min(count * side + 1, columns_ - i * side);
+        const Index low = j * side, high = low + side;
+        Range* const here = &at(0, piece.first);
+        detail::ColumnStrip<S> strip;
+        if (first) {
+            strip.read(heights, i * side, columns, low, low + 1);
+            for (Index b = 0; b < count; ++b) here[b] = strip.block(b, columns);
+        }
+        strip.read(heights, i * side, columns, low + 1, std::min(high, rows_));
+        for (Index b = 0; b < count; ++b) here[b] = join(here[b], strip.block(b, columns));
+        if (high >= rows_) return;
+        strip.read(heights, i * side, columns, high, high + 1);
+        Range* const above = more ? here + blocks(0).last.i : nullptr;
+        for (Index b = 0; b < count; ++b) {
+            const Range shared = strip.block(b, columns);
+            here[b] = join(here[b], shared);
+            if (more) above[b] = shared;
+        }
+    }
+
+    Range* ranges_ = nullptr;
+    Index columns_ = 0; // of samples
+    Index rows_ = 0;
+    Index starts_[std::numeric_limits<Index>::digits - detail::block_bits + 1] = {}; // of levels in ranges_
+    int levels_ = 0;
+    BoundsStatus status_ = BoundsStatus::too_few_samples;
+};
+
+/// A `BilinearGrid` with bounds: use it in the grid's place. Copies the grid, which is a view, and looks at the user's
+/// storage for the bounds, `HeightBounds<S>::size(columns, rows)` ranges of which S is the grid's sample type.
+///
+///     BoundedGrid field{grid, storage.data(), std::ssize(storage)};
+///     field.build();
+///     ProxyTracker tracker{field};
+///
+/// If its status is not ok, or before `build`, it is the same surface, and its blocks bound nothing.
+template <Real T, HeightSource Heights>
+class BoundedGrid {
+public:
+    using Scalar = T;
+    using Grid = BilinearGrid<T, Heights>;
+    using Bounds = HeightBounds<typename Grid::SampleType>;
+
+    constexpr BoundedGrid(const Grid& grid, typename Bounds::Range* storage, Index count) noexcept
+        : grid_{grid}, bounds_{storage, count, grid.cells().last.i + 1, grid.cells().last.j + 1} {}
+
+    [[nodiscard]] constexpr BoundsStatus status() const noexcept { return bounds_.status(); }
+    [[nodiscard]] constexpr const Grid& grid() const noexcept { return grid_; }
+    [[nodiscard]] constexpr const Bounds& bounds() const noexcept { return bounds_; }
+
+    /// See `HeightBounds`; to be called before the first search and, with the samples that changed, after each edit.
+    constexpr BoundsStatus build() noexcept { return bounds_.build(grid_.heights()); }
+    constexpr BoundsStatus update(const CellRange& samples) noexcept {
+        return bounds_.update(grid_.heights(), samples);
+    }
+
+    [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return grid_.lattice(); }
+    [[nodiscard]] constexpr CellRange cells() const noexcept { return grid_.cells(); }
+    [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept { return grid_.patch(c); }
+
+    [[nodiscard]] constexpr int levels() const noexcept { return bounds_.levels(); }
+    /// The lowest and the highest corner of the block's patches, to the bit.
+    [[nodiscard]] constexpr HeightRange<T> block_range(int level, Cell block) const noexcept {
+        constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
+        const auto range = bounds_.range(level, block);
+        if (range.holed()) return nothing;
+        const T a = grid_.metres(range.lowest), b = grid_.metres(range.highest);
+        // No patch has such a corner.
+        if (!is_finite(a) || !is_finite(b)) return nothing;
+        return {std::min(a, b), std::max(a, b)};
+    }
+
+private:
+    Grid grid_;
+    Bounds bounds_;
+};
+
+} // namespace hfh
+
+#endif // HFH_HEIGHT_BOUNDS_HPP
