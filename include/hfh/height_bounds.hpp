@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <type_traits>
+#include <utility>
 
 // Optional bounds on heights for long searches: a coarse pyramid of lowest and highest samples beside the grid.
 // Based on: Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering (2008).
@@ -37,23 +38,47 @@ namespace detail {
 inline constexpr int block_bits = 4;
 inline constexpr Index block_side = Index{1} << block_bits;
 
-/// No surface at this sample, whatever the grid's scale.
-template <HeightSource Heights>
-[[nodiscard]] constexpr bool is_hole(const Heights& heights, typename Heights::SampleType sample) noexcept {
-    using S = typename Heights::SampleType;
-    if constexpr (std::is_floating_point_v<S>) {
-        using Checked = std::conditional_t<std::same_as<S, float>, float, double>;
-        if (!is_finite(static_cast<Checked>(sample))) return true;
-    }
-    return heights.missing(sample);
-}
+/// Reads rows of samples that lie side by side: through pointers, and without a branch.
+template <Sample S, class Missing>
+struct PointerRows {
+    static constexpr bool may_have_holes = std::is_floating_point_v<S> || !std::same_as<Missing, NeverMissing>;
+    const S* data;
+    Index stride;
+    Missing rule;
 
-/// Where the samples of row j begin at column i: a pointer if they lie side by side.
+    [[nodiscard]] constexpr const S* row(Index j) const noexcept { return data + j * stride; }
+    [[nodiscard]] constexpr bool hole(S sample) const noexcept {
+        // Both are asked, always: what may be skipped keeps a compiler from vector code.
+        const bool marked = rule(sample);
+        if constexpr (Real<S>) {
+            const bool number = is_finite(sample);
+            return marked || !number;
+        }
+        return marked;
+    }
+};
+
+/// Reads rows of any other heights.
 template <HeightSource Heights>
-struct SourceRow {
-    const Heights& heights;
-    Index i, j;
-    [[nodiscard]] constexpr auto operator[](Index c) const noexcept { return heights(i + c, j); }
+struct SourceRows {
+    static constexpr bool may_have_holes = true;
+    using S = typename Heights::SampleType;
+    struct Row {
+        const Heights* heights;
+        Index i, j;
+        [[nodiscard]] constexpr S operator[](Index c) const noexcept { return (*heights)(i + c, j); }
+    };
+    const Heights* heights;
+    Index i;
+
+    [[nodiscard]] constexpr Row row(Index j) const noexcept { return {heights, i, j}; }
+    [[nodiscard]] constexpr bool hole(S sample) const noexcept {
+        // Whatever its source says, what is not finite makes no patch.
+        if constexpr (std::is_floating_point_v<S>) {
+            if (!is_finite(static_cast<std::conditional_t<Real<S>, S, double>>(sample))) return true;
+        }
+        return heights->missing(sample);
+    }
 };
 
 /// Column by column over some rows: the lowest sample, the highest, and whether one is missing. Loops without a branch
@@ -64,39 +89,28 @@ public:
     /// What three arrays of a few KiB hold, so that they stay in the first-level cache and on any stack.
     static constexpr Index most_blocks = std::max<Index>(1, HFH_STRIP / (block_side * Index{sizeof(S)}));
 
-    /// Rows first ≤ j < last, at least one, of `columns` samples from column i on, at most 16·most_blocks + 1.
-    template <HeightSource Heights>
-    constexpr void read(const Heights& heights, Index i, Index columns, Index first, Index last) noexcept {
-        read(heights, columns, first, last, [&](Index j) { return SourceRow<Heights>{heights, i, j}; });
-    }
-    template <class Missing>
-    constexpr void read(const HeightView<S, Missing>& heights, Index i, Index columns, Index first,
-                        Index last) noexcept {
-        if (heights.column_stride() == 1) {
-            read(heights, columns, first, last,
-                 [&](Index j) { return heights.data() + i + j * heights.row_stride(); });
-        } else {
-            read(heights, columns, first, last,
-                 [&](Index j) { return SourceRow<HeightView<S, Missing>>{heights, i, j}; });
+    /// Rows first ≤ j ≤ last, at most 17, of `columns` samples, at most 16·most_blocks + 1.
+    template <class Rows>
+    constexpr void read(const Rows& rows, Index columns, Index first, Index last) noexcept {
+        take(rows, std::make_index_sequence<block_side + 1>{}, columns, first, last, lowest_, highest_, hole_);
+        // The last block may be cut off by the border: its last column again in those it lacks.
+        for (Index c = columns; c % block_side != 1; ++c) {
+            lowest_[c] = lowest_[columns - 1];
+            highest_[c] = highest_[columns - 1];
+            hole_[c] = hole_[columns - 1];
         }
     }
 
-    /// Over columns 16b to 16b + 16, both shared with the neighbours, as far as there are so many.
-    [[nodiscard]] constexpr SampleRange<S> block(Index b, Index columns) const noexcept {
-        const Index first = b * block_side, last = std::min(first + block_side, columns - 1);
-        SampleRange<S> range{lowest_[last], highest_[last]};
+    /// Over columns 16b to 16b + 16, both shared with the neighbours.
+    [[nodiscard]] constexpr SampleRange<S> block(Index b) const noexcept {
+        const Index first = b * block_side, last = first + block_side;
+        S low = lowest_[last], high = highest_[last];
         Flag hole = hole_[last];
-        const auto take = [&](Index c) {
-            range.lowest = std::min(range.lowest, lowest_[c]);
-            range.highest = std::max(range.highest, highest_[c]);
-            hole = static_cast<Flag>(hole | hole_[c]);
-        };
-        if (last - first == block_side) {
-            for (Index k = 0; k < block_side; ++k) take(first + k);
-        } else {
-            for (Index c = first; c < last; ++c) take(c);
-        }
-        return hole != 0 ? SampleRange<S>{} : range;
+        for (Index c = first; c < first + block_side; ++c) low = std::min(low, lowest_[c]);
+        for (Index c = first; c < first + block_side; ++c) high = std::max(high, highest_[c]);
+        for (Index c = first; c < first + block_side; ++c) hole = static_cast<Flag>(hole | hole_[c]);
+        if (hole != 0) return {};
+        return {low, high};
     }
 
 private:
@@ -106,23 +120,22 @@ private:
                  std::conditional_t<sizeof(S) == 8, std::uint64_t, std::uint8_t>>>;
     // clang-format on
 
-    template <HeightSource Heights, class RowAt>
-    constexpr void read(const Heights& heights, Index columns, Index first, Index last,
-                        const RowAt& row_at) noexcept {
-        const auto flag = [&](S sample) { return is_hole(heights, sample) ? Flag{1} : Flag{0}; };
-        const auto row = row_at(first);
+    /// All rows at once, the last one again where there are fewer: no sum is stored between rows, and a processor
+    /// fetches many rows from memory at a time. `__restrict`: else a compiler checks or fears 48 overlaps.
+    template <class Rows, std::size_t... k>
+    static constexpr void take(const Rows rows, std::index_sequence<k...>, Index columns, Index first,
+                               Index last, S* __restrict lowest, S* __restrict highest,
+                               Flag* __restrict holes) noexcept {
+        const decltype(rows.row(0)) row[]{rows.row(std::min(first + Index{k}, last))...};
         for (Index c = 0; c < columns; ++c) {
-            lowest_[c] = highest_[c] = row[c];
-            hole_[c] = flag(row[c]);
-        }
-        for (Index j = first + 1; j < last; ++j) {
-            const auto next = row_at(j);
-            for (Index c = 0; c < columns; ++c) {
-                const S sample = next[c];
-                lowest_[c] = std::min(lowest_[c], sample);
-                highest_[c] = std::max(highest_[c], sample);
-                hole_[c] = static_cast<Flag>(hole_[c] | flag(sample));
-            }
+            S low = row[0][c], high = low;
+            ((low = row[k][c] < low ? row[k][c] : low), ...);
+            ((high = high < row[k][c] ? row[k][c] : high), ...);
+            Flag hole = 0;
+            ((hole = static_cast<Flag>(hole | (rows.hole(row[k][c]) ? Flag{1} : Flag{0}))), ...);
+            lowest[c] = low;
+            highest[c] = high;
+            holes[c] = hole;
         }
     }
 
@@ -248,43 +261,39 @@ private:
                                 join(at(level - 1, {i, north}), at(level - 1, {east, north})));
     }
 
-    /// Makes ranges of level 0, row after row of blocks, each in pieces that a strip holds.
+    /// Makes ranges of level 0, row after row of blocks, each in pieces that a strip holds. The row of samples that two
+    /// rows of blocks share is read again while it is in a cache.
     template <HeightSource Heights>
     constexpr void read_blocks(const Heights& heights, const CellRange& wanted) noexcept {
         constexpr Index most = detail::ColumnStrip<S>::most_blocks;
         for (Index j = wanted.first.j; j < wanted.last.j; ++j) {
             for (Index i = wanted.first.i; i < wanted.last.i; i += most) {
-                const CellRange piece{{i, j}, {std::min(i + most, wanted.last.i), j + 1}};
-                read_piece(heights, piece, j == wanted.first.j, j + 1 < wanted.last.j);
+                read_piece(heights, {i, j}, std::min(most, wanted.last.i - i));
             }
         }
     }
-
-    /// One row of blocks. The row of samples that two rows of blocks share is read once: `first` tells that the lower
-    /// one has not been read with the blocks before, `more` that the upper one is wanted for those behind.
     template <HeightSource Heights>
-    constexpr void read_piece(const Heights& heights, const CellRange& piece, bool first, bool more) noexcept {
+    constexpr void read_piece(const Heights& heights, Cell first, Index count) noexcept {
+        read_rows(detail::SourceRows<Heights>{&heights, first.i * detail::block_side}, first, count);
+    }
+    template <class Missing>
+    constexpr void read_piece(const HeightView<S, Missing>& heights, Cell first, Index count) noexcept {
+        const Index i = first.i * detail::block_side;
+        if (heights.column_stride() == 1) {
+            read_rows(detail::PointerRows<S, Missing>{heights.data() + i, heights.row_stride(), heights.rule()},
+                      first, count);
+        } else {
+            read_rows(detail::SourceRows<HeightView<S, Missing>>{&heights, i}, first, count);
+        }
+    }
+    template <class Rows>
+    constexpr void read_rows(const Rows& rows, Cell first, Index count) noexcept {
         constexpr Index side = detail::block_side;
-        const auto [i, j] = piece.first;
-        const Index count = piece.last.i - i;
-        const Index columns = std::min(count * side + 1, columns_ - i * side);
-        const Index low = j * side, high = low + side;
-        Range* const here = &at(0, piece.first);
+        const Index columns = std::min(count * side + 1, columns_ - first.i * side);
         detail::ColumnStrip<S> strip;
-        if (first) {
-            strip.read(heights, i * side, columns, low, low + 1);
-            for (Index b = 0; b < count; ++b) here[b] = strip.block(b, columns);
-        }
-        strip.read(heights, i * side, columns, low + 1, std::min(high, rows_));
-        for (Index b = 0; b < count; ++b) here[b] = join(here[b], strip.block(b, columns));
-        if (high >= rows_) return;
-        strip.read(heights, i * side, columns, high, high + 1);
-        Range* const above = more ? here + blocks(0).last.i : nullptr;
-        for (Index b = 0; b < count; ++b) {
-            const Range shared = strip.block(b, columns);
-            here[b] = join(here[b], shared);
-            if (more) above[b] = shared;
-        }
+        strip.read(rows, columns, first.j * side, std::min((first.j + 1) * side, rows_ - 1));
+        Range* const ranges = &at(0, first);
+        for (Index b = 0; b < count; ++b) ranges[b] = strip.block(b);
     }
 
     Range* ranges_ = nullptr;
