@@ -97,19 +97,22 @@ public:
         for (Index c = columns; c % block_side != 1; ++c) {
             lowest_[c] = lowest_[columns - 1];
             highest_[c] = highest_[columns - 1];
-            hole_[c] = hole_[columns - 1];
+            if constexpr (Rows::may_have_holes) hole_[c] = hole_[columns - 1];
         }
     }
 
     /// Over columns 16b to 16b + 16, both shared with the neighbours.
+    template <class Rows>
     [[nodiscard]] constexpr SampleRange<S> block(Index b) const noexcept {
         const Index first = b * block_side, last = first + block_side;
+        if constexpr (Rows::may_have_holes) {
+            Flag hole = hole_[last];
+            for (Index c = first; c < last; ++c) hole = static_cast<Flag>(hole | hole_[c]);
+            if (hole != 0) return {};
+        }
         S low = lowest_[last], high = highest_[last];
-        Flag hole = hole_[last];
         for (Index c = first; c < first + block_side; ++c) low = std::min(low, lowest_[c]);
         for (Index c = first; c < first + block_side; ++c) high = std::max(high, highest_[c]);
-        for (Index c = first; c < first + block_side; ++c) hole = static_cast<Flag>(hole | hole_[c]);
-        if (hole != 0) return {};
         return {low, high};
     }
 
@@ -128,14 +131,13 @@ private:
                                Flag* __restrict holes) noexcept {
         const decltype(rows.row(0)) row[]{rows.row(std::min(first + Index{k}, last))...};
         for (Index c = 0; c < columns; ++c) {
-            S low = row[0][c], high = low;
-            ((low = row[k][c] < low ? row[k][c] : low), ...);
-            ((high = high < row[k][c] ? row[k][c] : high), ...);
+            S low = row[0][c], high = low, sample = low;
+            ((sample = row[k][c], low = sample < low ? sample : low, high = high < sample ? sample : high), ...);
             Flag hole = 0;
             ((hole = static_cast<Flag>(hole | (rows.hole(row[k][c]) ? Flag{1} : Flag{0}))), ...);
             lowest[c] = low;
             highest[c] = high;
-            holes[c] = hole;
+            if constexpr (Rows::may_have_holes) holes[c] = hole;
         }
     }
 
@@ -293,7 +295,7 @@ private:
         detail::ColumnStrip<S> strip;
         strip.read(rows, columns, first.j * side, std::min((first.j + 1) * side, rows_ - 1));
         Range* const ranges = &at(0, first);
-        for (Index b = 0; b < count; ++b) ranges[b] = strip.block(b);
+        for (Index b = 0; b < count; ++b) ranges[b] = strip.template block<Rows>(b);
     }
 
     Range* ranges_ = nullptr;
