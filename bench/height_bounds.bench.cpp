@@ -42,17 +42,24 @@ Raster<S>& raster(Index side) {
 
 /// Every byte once, as fast as one core can: sums of 64-bit words that do not wait for one another.
 std::uint64_t read_all(const void* memory, std::size_t bytes) {
-    constexpr std::size_t lanes = 32;
-    std::array<std::uint64_t, lanes> sums{};
+    constexpr std::size_t lane = 4; // one 256-bit vector
+    std::array<std::uint64_t, lane> a{}, b{}, c{}, d{};
     const auto* at = static_cast<const unsigned char*>(memory);
-    const std::size_t words = bytes / 8;
-    for (std::size_t n = 0; n + lanes <= words; n += lanes) {
-        std::array<std::uint64_t, lanes> some;
-        std::memcpy(some.data(), at + 8 * n, sizeof some);
-        for (std::size_t k = 0; k < lanes; ++k) sums[k] += some[k];
+    const auto add = [&](std::array<std::uint64_t, lane>& sum, std::size_t n) {
+        for (std::size_t k = 0; k < lane; ++k) {
+            std::uint64_t word;
+            std::memcpy(&word, at + n + 8 * k, sizeof word);
+            sum[k] += word;
+        }
+    };
+    for (std::size_t n = 0; n + 128 <= bytes; n += 128) {
+        add(a, n);
+        add(b, n + 32);
+        add(c, n + 64);
+        add(d, n + 96);
     }
     std::uint64_t sum = 0;
-    for (const std::uint64_t s : sums) sum += s;
+    for (std::size_t k = 0; k < lane; ++k) sum += a[k] + b[k] + c[k] + d[k];
     return sum;
 }
 

@@ -110,14 +110,15 @@ public:
     template <class Rows>
     [[nodiscard]] constexpr SampleRange<S> block(Index b) const noexcept {
         const Index first = b * block_side, last = first + block_side;
+        S low = lowest_[last], high = highest_[last];
+        for (Index c = first; c < last; ++c) low = std::min(low, lowest_[c]);
+        for (Index c = first; c < last; ++c) high = std::max(high, highest_[c]);
+        // Last: a return before the other loops would cost 16-bit samples a quarter of their speed.
         if constexpr (Rows::may_have_holes) {
             Flag hole = hole_[last];
             for (Index c = first; c < last; ++c) hole = static_cast<Flag>(hole | hole_[c]);
             if (hole != 0) return {};
         }
-        S low = lowest_[last], high = highest_[last];
-        for (Index c = first; c < first + block_side; ++c) low = std::min(low, lowest_[c]);
-        for (Index c = first; c < first + block_side; ++c) high = std::max(high, highest_[c]);
         return {low, high};
     }
 
@@ -129,7 +130,7 @@ private:
     // clang-format on
 
     /// All rows at once, the last one again where there are fewer: nothing is stored between rows, and many lines of
-    /// memory are fetched at a time (1.6 times as fast, in memory and in cache, as one row after the other).
+    /// memory are fetched at a time (16-bit samples in memory: 1.8 times as fast as one row after the other).
     /// `__restrict`, for a compiler would fear that the arrays overlap the rows.
     template <class Rows, std::size_t... k>
     static constexpr void take(const Rows rows, std::index_sequence<k...>, Index columns, Index first,
