@@ -15,9 +15,9 @@ set(order
     bilinear_grid
     force_evaluator
     hfh
-    height_bounds
-    device)
-
+    device
+    damping force_shading level_beyond
+    height_bounds)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
