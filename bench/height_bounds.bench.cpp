@@ -198,6 +198,12 @@ void register_benchmarks() {
         build(state, HeightView{r.samples.data(), r.columns, r.rows, MissingValue<std::int16_t>{-1}},
               r.samples.data());
     });
+    // The walk stays near 3000: holes everywhere, and all pieces are read twice.
+    add_build("height_bounds/build/16385/int16_full_of_holes", [](benchmark::State& state) {
+        const auto& r = raster<std::int16_t>(16385);
+        build(state, HeightView{r.samples.data(), r.columns, r.rows, MissingValue<std::int16_t>{3000}},
+              r.samples.data());
+    });
     add_build("height_bounds/build/8193/float", [](benchmark::State& state) {
         const auto& r = raster<float>(8193);
         build(state, HeightView{r.samples.data(), r.columns, r.rows}, r.samples.data());

@@ -289,6 +289,19 @@ private:
     }
     template <class Missing>
     constexpr void read_piece(const HeightView<S, Missing>& heights, Cell first, Index count) noexcept {
+        if constexpr (std::same_as<Missing, MissingValue<S>>) {
+            // Few pieces have holes: read without asking, and again only if the value lies between the bounds.
+            read_piece(
+                HeightView<S>{heights.data(), columns_, rows_, heights.column_stride(), heights.row_stride()},
+                first, count);
+            const Range* const ranges = &at(0, first);
+            const S value = heights.rule().value;
+            if (std::none_of(ranges, ranges + count, [value](const Range& range) {
+                    return range.lowest <= value && value <= range.highest;
+                })) {
+                return;
+            }
+        }
         const Index i = first.i * detail::block_side;
         if (heights.column_stride() == 1) {
             read_rows(
