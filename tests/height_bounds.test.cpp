@@ -245,6 +245,27 @@ TEMPLATE_TEST_CASE("height_bounds: a block with a missing sample bounds nothing,
     CHECK(all.blocks - all.holed > 50);
 }
 
+TEMPLATE_TEST_CASE("height_bounds: a hole's value may lie below, above or among all heights",
+                   "[bounds][hard]", HFH_BOUNDED_SAMPLES) {
+    using S = TestType;
+    // 9 blocks, the middle one cut off from the border, with and without a hole in it.
+    const Index side = 49;
+    for (const int value : {0, 9, 10, 50, 51, 99, 100, 127}) {
+        for (const bool with_hole : {false, true}) {
+            std::vector<S> samples;
+            for (Index n = 0; n < side * side; ++n) samples.push_back(static_cast<S>(10 + 2 * (n % 45)));
+            for (auto& sample : samples) {
+                if (sample == static_cast<S>(value)) sample = S(20);
+            }
+            if (with_hole) samples[24 * side + 24] = static_cast<S>(value);
+            const HeightView view{samples.data(), side, side, MissingValue{static_cast<S>(value)}};
+            const int holed = with_hole ? 1 + 1 + 1 : 0; // its block on each level
+            CHECK(build_and_check<double>(view).holed == holed);
+            CHECK(build_and_check<float>(view.flipped_rows(), {{0, 0}, {1, 1}, -1.0}).holed == holed);
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("height_bounds: samples at both ends of their type are not taken for a hole",
                    "[bounds][hard]", HFH_BOUNDED_SAMPLES) {
     using S = TestType;

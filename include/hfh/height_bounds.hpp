@@ -198,8 +198,8 @@ public:
 
     /// Makes all ranges, in one pass over the samples, 16 rows at a time and each from left to right. A row that two
     /// rows of blocks share is read again while a cache has it. Vector code where a row's samples lie side by side (a
-    /// `HeightView` with a column stride of 1), which is at least half as fast as memory can be read; 5 to 20 times
-    /// slower for other strides and sources.
+    /// `HeightView` with a column stride of 1), which is at least half as fast as memory can be read, a
+    /// third with a hole in most blocks; 5 to 20 times slower for other strides and sources.
     template <HeightSource Heights>
         requires std::same_as<typename Heights::SampleType, S>
     constexpr BoundsStatus build(const Heights& heights) noexcept {
