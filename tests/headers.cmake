@@ -17,7 +17,8 @@ set(order
     hfh
     device
     damping force_shading level_beyond
-    workspace force_guard latest_value)
+    workspace force_guard latest_value
+    height_bounds)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
