@@ -15,7 +15,10 @@ set(order
     bilinear_grid
     force_evaluator
     hfh
-    device)
+    device
+    moving_mass
+    simulated_device
+    energy_tank)
 
 
 # Force ignores how a contact was found.
