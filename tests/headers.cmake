@@ -16,10 +16,10 @@ set(order
     force_evaluator
     hfh
     device
+    damping force_shading level_beyond
     moving_mass
     simulated_device
     energy_tank)
-
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
