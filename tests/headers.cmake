@@ -18,7 +18,10 @@ set(order
     device
     damping force_shading level_beyond
     workspace force_guard latest_value
-    height_bounds)
+    height_bounds
+    moving_mass
+    simulated_device
+    energy_tank)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

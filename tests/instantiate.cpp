@@ -3,12 +3,14 @@
 // without RTTI.
 
 #include <hfh/damping.hpp>
+#include <hfh/energy_tank.hpp>
 #include <hfh/force_guard.hpp>
 #include <hfh/force_shading.hpp>
 #include <hfh/height_bounds.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/latest_value.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/simulated_device.hpp>
 #include <hfh/workspace.hpp>
 
 #include <cstdint>
@@ -75,6 +77,26 @@ HFH_TEST_INSTANTIATE(double)
 
 namespace {
 
+/// A hand that keeps still.
+struct Still {
+    glm::dvec3 operator()(double) const noexcept { return glm::dvec3{0.0}; }
+};
+
+} // namespace
+
+template class SimulatedDevice<Still>;
+
+namespace {
+
+/// A spring, through the tank, to the simulated device.
+[[maybe_unused]] bool use_device() {
+    SimulatedDevice device{simulated_touch, {}, Still{}, 0.01};
+    EnergyTank tank;
+    return device.run([&](const DeviceSample& sample) -> DeviceCommand {
+        return {.newtons = tank(sample.position, -500.0 * sample.position).newtons};
+    }) == DeviceEnd::stopped;
+}
+
 /// Calls the function templates and what deduction guides are for.
 template <Real T, Sample S>
 [[maybe_unused]] bool use(const S* samples) {
@@ -119,7 +141,7 @@ bool use_everything(const std::uint8_t* a, const std::uint16_t* b, const std::in
                     const std::int32_t* d, const float* e, const double* f) {
     return use<float>(a) && use<double>(a) && use<float>(b) && use<double>(b) && use<float>(c) &&
            use<double>(c) && use<float>(d) && use<double>(d) && use<float>(e) && use<double>(e) &&
-           use<float>(f) && use<double>(f);
+           use<float>(f) && use<double>(f) && use_device();
 }
 
 } // namespace hfh
