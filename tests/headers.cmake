@@ -17,7 +17,11 @@ set(order
     hfh
     device
     damping force_shading level_beyond
-    workspace force_guard latest_value)
+    workspace force_guard latest_value
+    height_bounds
+    moving_mass
+    simulated_device
+    energy_tank)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

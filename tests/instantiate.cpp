@@ -3,11 +3,14 @@
 // without RTTI.
 
 #include <hfh/damping.hpp>
+#include <hfh/energy_tank.hpp>
 #include <hfh/force_guard.hpp>
 #include <hfh/force_shading.hpp>
+#include <hfh/height_bounds.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/latest_value.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/simulated_device.hpp>
 #include <hfh/workspace.hpp>
 
 #include <cstdint>
@@ -55,7 +58,13 @@ template class LatestValue<DeviceSample>;
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
-    template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;
+    template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
+    template struct SampleRange<S>;                                                                          \
+    template class HeightBounds<S>;                                                                          \
+    template class BoundedGrid<float, HeightView<S>>;                                                        \
+    template class BoundedGrid<double, HeightView<S, MissingValue<S>>>;                                      \
+    template class ProxyTracker<BoundedGrid<float, HeightView<S>>>;                                          \
+    template class ProxyTracker<BoundedGrid<double, HeightView<S, MissingValue<S>>>>;
 
 HFH_TEST_INSTANTIATE(std::uint8_t)
 HFH_TEST_INSTANTIATE(std::uint16_t)
@@ -68,6 +77,26 @@ HFH_TEST_INSTANTIATE(double)
 
 namespace {
 
+/// A hand that keeps still.
+struct Still {
+    glm::dvec3 operator()(double) const noexcept { return glm::dvec3{0.0}; }
+};
+
+} // namespace
+
+template class SimulatedDevice<Still>;
+
+namespace {
+
+/// A spring, through the tank, to the simulated device.
+[[maybe_unused]] bool use_device() {
+    SimulatedDevice device{simulated_touch, {}, Still{}, 0.01};
+    EnergyTank tank;
+    return device.run([&](const DeviceSample& sample) -> DeviceCommand {
+        return {.newtons = tank(sample.position, -500.0 * sample.position).newtons};
+    }) == DeviceEnd::stopped;
+}
+
 /// Calls the function templates and what deduction guides are for.
 template <Real T, Sample S>
 [[maybe_unused]] bool use(const S* samples) {
@@ -76,6 +105,9 @@ template <Real T, Sample S>
     const HeightView holed{samples, 4, 4, MissingValue{samples[0]}};
     const BilinearGrid<T, HeightView<S>> grid{heights.flipped_rows(), {.spacing = {2, 3}}};
     const BilinearGrid<T, decltype(holed)> holed_grid{holed, {}};
+    SampleRange<S> range;
+    BoundedGrid bounded{grid, &range, 1};
+    ProxyTracker bounded_tracker{bounded};
     ProxyTracker tracker{grid};
     ProxyTracker holed_tracker{holed_grid, {.surface = SurfaceKind::sheet}};
     const ForceEvaluator<T> force{};
@@ -93,7 +125,10 @@ template <Real T, Sample S>
     const auto shaded = shade_force(level, level_tracker.update({T(1), T(1), T(1)}));
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
-           nearest.u >= 0 && is_finite(force(contact).newtons) &&
+           nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == BoundsStatus::ok &&
+           bounded.update({{1, 1}, {2, 2}}) == BoundsStatus::ok &&
+           bounded.block_range(0, {0, 0}).lowest < 300 &&
+           bounded_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&
            holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 && to_string(contact.status) != nullptr;
 }
 
@@ -106,7 +141,7 @@ bool use_everything(const std::uint8_t* a, const std::uint16_t* b, const std::in
                     const std::int32_t* d, const float* e, const double* f) {
     return use<float>(a) && use<double>(a) && use<float>(b) && use<double>(b) && use<float>(c) &&
            use<double>(c) && use<float>(d) && use<double>(d) && use<float>(e) && use<double>(e) &&
-           use<float>(f) && use<double>(f);
+           use<float>(f) && use<double>(f) && use_device();
 }
 
 } // namespace hfh

@@ -108,6 +108,28 @@ TEMPLATE_TEST_CASE("newton_closest_point: a level edge of a steep patch is level
     CHECK(std::abs(foot.v - query.v) < 64 * epsilon<TestType>);
 }
 
+TEMPLATE_TEST_CASE("newton_closest_point: does not creep up to a grid line along which the patch is level",
+                   "[closest_point][regression]", float, double) {
+    // A stylus that an encoder put right on a grid line of a ridge: v came nearer to 0 by sixteen digits a step, down to
+    // the denormals, and the iterations ran out.
+    Random random{5};
+    for (int n = 0; n < 20000; ++n) {
+        const auto cell = TestType(1e-3);
+        const TestType a = TestType(random.between(-1, 1)) * cell, b = TestType(random.between(-1, 1)) * cell;
+        const auto across = static_cast<TestType>(random.between(0.1, 0.9)),
+                   along = random.one_in(2) ? TestType(0) : static_cast<TestType>(random.unit()),
+                   depth = static_cast<TestType>(random.between(0, 3)) * cell;
+        const vec2<TestType> start{static_cast<TestType>(random.unit()),
+                                   static_cast<TestType>(random.unit())};
+        const auto level_v = newton_closest_point(BilinearPatch<TestType>{a, b, a, b, {cell, cell}},
+                                                  {across, along, a - depth}, start);
+        const auto level_u = newton_closest_point(BilinearPatch<TestType>{a, a, b, b, {cell, cell}},
+                                                  {along, across, a - depth}, start);
+        if (level_v.v != along || level_u.u != along) FAIL("not over the query in case " << n);
+        if (std::max(level_v.iterations, level_u.iterations) > 4) FAIL("too many iterations in case " << n);
+    }
+}
+
 #if defined(HFH_TOUCH_TERRAIN)
 TEST_CASE("touch_terrain: refuses a header's spacing that makes no grid", "[touch_terrain][regression]") {
     // Finite and above zero, and yet 1/dx or dx·dy is no number: the demo ran and felt nothing.

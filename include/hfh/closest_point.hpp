@@ -76,6 +76,9 @@ struct DistanceFunction {
         noise_v = steepest_v > 0 ? 4 * epsilon<T> * (dy2 + steepest_v * reach) : T(0);
     }
 
+    /// Whether no point has a slope along u, or along v.
+    [[nodiscard]] bool level_u() const noexcept { return rise_u == 0 && far_u == 0; }
+    [[nodiscard]] bool level_v() const noexcept { return rise_v == 0 && far_v == 0; }
     [[nodiscard]] T slope_u(T v) const noexcept { return (T(1) - v) * rise_u + v * far_u; }
     [[nodiscard]] T slope_v(T u) const noexcept { return (T(1) - u) * rise_v + u * far_v; }
     /// σ_z.
@@ -152,6 +155,11 @@ template <Real T>
         // The parameter that meets its border first is on it, not a rounding away.
         u = part == part_u && part < 1 ? border_u : std::clamp(at.x + du, T(0), T(1));
         v = part == part_v && part < 1 ? border_v : std::clamp(at.y + dv, T(0), T(1));
+    } else {
+        // Where the patch is level along u or v the foot is right over the query. Rounding only creeps up to that: to 0
+        // by sixteen digits a step.
+        if (distance.level_u()) u = std::clamp(distance.query_u, T(0), T(1));
+        if (distance.level_v()) v = std::clamp(distance.query_v, T(0), T(1));
     }
     const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
     if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;

@@ -1,0 +1,131 @@
+#include "hand.hpp"
+#include "report.hpp"
+
+// By how much the force changes from one update to the next, against k·|Δhand|.
+
+namespace closed_loop {
+namespace {
+
+constexpr double stiffness = 500;  // N/m
+constexpr double unlimited = 1e30; // N
+
+struct Ratios {
+    std::vector<double> all;
+    [[nodiscard]] double mean() const {
+        double sum = 0;
+        for (const double ratio : all) sum += ratio;
+        return all.empty() ? 0 : sum / static_cast<double>(all.size());
+    }
+    /// Sorts.
+    [[nodiscard]] double quantile(double share) {
+        if (all.empty()) return 0;
+        std::sort(all.begin(), all.end());
+        return all[static_cast<std::size_t>(share * static_cast<double>(all.size() - 1))];
+    }
+};
+
+/// Forces along a path, of which only updates count that are in contact or were so before. A stylus that has got below
+/// the surface through a hole is put on from above again.
+template <Real T>
+class Steps {
+public:
+    Steps(Touching<T>& touching, Ratios& ratios) : touching_{touching}, ratios_{ratios} {}
+
+    /// The hand has made `step` metres since the last call; `counts`: not while it settles into its path.
+    [[nodiscard]] glm::dvec3 update(const glm::dvec3& position, double step, bool counts) {
+        const bool was_touching = touching_.touching();
+        glm::dvec3 newtons = touching_.update(position);
+        if (counts && (touching_.touching() || was_touching))
+            ratios_.all.push_back(glm::length(newtons - force_) / (stiffness * step));
+        if (!touching_.touching()) {
+            touching_.reset();
+            (void)touching_.update(position + glm::dvec3{0, 0, 1});
+            newtons = touching_.update(position);
+        }
+        force_ = newtons;
+        return newtons;
+    }
+
+private:
+    Touching<T>& touching_;
+    Ratios& ratios_;
+    glm::dvec3 force_{0.0};
+};
+
+[[nodiscard]] double step_to(const Path& path, std::size_t k) {
+    return k > 0 ? glm::length(path[k] - path[k - 1]) : 0.0;
+}
+
+/// A hand that nothing moves from its path.
+template <Real T>
+void rigid(Touching<T>& touching, const Path& path, Ratios& ratios) {
+    touching.reset();
+    Steps<T> steps{touching, ratios};
+    for (std::size_t k = 0; k < path.size(); ++k) (void)steps.update(path[k], step_to(path, k), k > 0);
+}
+
+/// A hand on the Touch; its path, not the device's, counts as its motion.
+template <Real T>
+void in_hand(Touching<T>& touching, const Path& path, Ratios& ratios) {
+    touching.reset();
+    Steps<T> steps{touching, ratios};
+    hfh::SimulatedDevice device{hfh::simulated_touch, {}, Along{&path}, 60};
+    auto sample = device.sample();
+    for (std::size_t k = 0; k < path.size(); ++k)
+        sample = device.step(steps.update(sample.position, step_to(path, k), k > 100));
+}
+
+} // namespace
+
+template <Real T>
+void steps(const Effort& effort, Findings& findings) {
+    struct Kind {
+        const char* name;
+        double cell, depth; // m, cells
+        bool in_hand;
+    };
+    // The Touch goes 5 cells an update at 1 m/s.
+    for (const Kind kind : {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
+                            Kind{"in the hand on the Touch", 0.2e-3, 15, true}}) {
+        const auto all = grounds<T>(kind.cell);
+        for (const double cells : {0.5, 2.0, 5.0}) {
+            double mean = 0, most_99 = 0, largest = 0;
+            std::string where;
+            Findings::Detail detail{
+                text("ΔF/(k·Δhand) at %g cells an update, %s: mean, 99 %%, largest", cells, kind.name), {}};
+            for (const auto& ground : all) {
+                Site<T> site{ground.terrain, 14};
+                Touching<T> touching{ground.terrain, stiffness,
+                                     kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited};
+                Ratios ratios;
+                for (int n = effort.counted(40); n > 0; --n) {
+                    const auto path = site.wander(kind.depth * kind.cell, cells * kind.cell, kind.cell, 500);
+                    if (kind.in_hand)
+                        in_hand(touching, path, ratios);
+                    else
+                        rigid(touching, path, ratios);
+                }
+                findings.lag.add(touching);
+                const double here = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
+                detail.by_ground.push_back(text("%.2f, %.1f, %.0f", here, at_99, top));
+                if (here > mean) mean = here, where = ground.name;
+                most_99 = std::max(most_99, at_99);
+                largest = std::max(largest, top);
+            }
+            findings.details.push_back(detail);
+            findings.rows.push_back(
+                {text("force steps ΔF/(k·Δhand) at %g cells an update, %s: mean, 99 %%, largest", cells,
+                      kind.name),
+                 "≤ 1.0, < 9, < 126",
+                 text("%.2f, %.1f, %.0f (mean: %s)", mean, most_99, largest, where.c_str()),
+                 mean <= 1 && most_99 < 9 && largest < 126 ? Verdict::met
+                 : kind.in_hand                            ? Verdict::known
+                                                           : Verdict::not_met});
+        }
+    }
+}
+
+template void steps<float>(const Effort&, Findings&);
+template void steps<double>(const Effort&, Findings&);
+
+} // namespace closed_loop

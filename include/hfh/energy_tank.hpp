@@ -1,0 +1,129 @@
+#ifndef HFH_ENERGY_TANK_HPP
+#define HFH_ENERGY_TANK_HPP
+
+#include <hfh/scalar.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// Based on: Hannaford, Ryu, Time-domain passivity control of haptic interfaces, 2002: observe the energy, act when it
+// runs out. Here it acts before: the force is bounded so that it cannot run out.
+
+namespace hfh {
+
+/// What the hand and the device can do between two updates, and what a tank may give. All are the user's.
+struct EnergyTankOptions {
+    double largest_step = 1e-3; ///< metres: the farthest that the position moves in one update
+    /// Metres: the most by which the step of one update differs from the step before, T²·(largest acceleration), plus
+    /// twice the resolution. Infinite: nothing is known of that.
+    double largest_turn = std::numeric_limits<double>::infinity();
+    /// Joules, ≥ 0, that may be given before any was taken. As it stands the energy stays above −10⁻⁹ J: the other half
+    /// of that is for the rounding of 10⁷ updates.
+    double allowance = 0.5e-9;
+    double capacity = 0.1; ///< joules: what is taken beyond that is not remembered
+};
+
+/// A force that the tank can bear, and whether that is less than was wanted.
+struct TankForce {
+    glm::dvec3 newtons{0.0};
+    bool shortened = false;
+};
+
+/// Shortens forces so that they never give the hand more energy than they took from it: a passivity controller.
+///
+/// A force that is held from update k−1 to update k gives the hand exactly F_{k−1}·(x_k − x_{k−1}). The tank holds what
+/// was taken less what was given,
+///
+///     level = −Σ F_{k−1}·(x_k − x_{k−1}) ≥ −allowance,
+///
+/// and keeps that bound for every motion within the options, because it gives out no force that could break it. With s
+/// the step just made, the next one is at most r = min(largest_step, s·F/|F| + largest_turn) along F, so that
+///
+///     |F| ≤ (level + allowance)/r    if r > 0, else any F
+///
+/// keeps it. Without a `largest_turn` no greater force would: a hand may make the step r. So this takes off the least.
+///
+/// What it costs: a spring that is touched for the first time, with the tank empty, is felt only as fast as it fills.
+/// With no `largest_turn` the force grows by a factor e every `largest_step` of depth, however small the allowance; with
+/// one it is whole at once when the hand comes in faster than largest_turn an update. A sampled spring without friction
+/// gives back all that it took and K·T·v·D more: that is cut off at the end of the way out.
+///
+/// The last link before the device: a force that is changed behind it is not the one it counts. The device must hold the
+/// force until the next update (delay 0). A motion beyond the options is counted in `exceeded`; what it drew is owed, and
+/// until it is paid back only a force that is sure to take energy passes (without a `largest_turn` none is, and `reset`
+/// has to forgive it). Does not throw, does not allocate.
+class EnergyTank {
+public:
+    constexpr explicit EnergyTank(const EnergyTankOptions& options = {}) noexcept : options_{options} {}
+
+    /// One update: the device is at `position` and `newtons` is wanted until the next one. No force where either is no
+    /// number; the force before is then charged with the most that it can have given.
+    [[nodiscard]] TankForce operator()(const glm::dvec3& position, const glm::dvec3& newtons) noexcept {
+        if (!is_finite(position)) {
+            level_ -= at_stake_;
+            forget();
+            return {{}, true};
+        }
+        settle(position);
+        const double length = glm::length(newtons);
+        if (!is_finite(newtons) || !is_finite(length)) return {{}, true};
+        if (!(length > 0)) return {};
+        const double reach = reach_along(newtons / length);
+        const double most =
+            std::max(0.0, level_ + options_.allowance) * (1 - 0x1p-40); // less the rounding of what follows
+        const bool shortened = reach > 0 && !(length * reach <= most);
+        force_ = shortened ? newtons * (most / (reach * length)) : newtons;
+        at_stake_ = reach > 0 ? std::min(most, length * reach) : 0.0;
+        return {force_, shortened};
+    }
+
+    /// Joules taken from the hand and not given back.
+    [[nodiscard]] constexpr double level() const noexcept { return level_; }
+    /// Updates in which the hand moved farther, or turned more, than the options say.
+    [[nodiscard]] constexpr unsigned long long exceeded() const noexcept { return exceeded_; }
+
+    /// Empty, as at the start.
+    constexpr void reset() noexcept { *this = EnergyTank{options_}; }
+
+private:
+    /// Counts what the last force has done on the way to `position`.
+    void settle(const glm::dvec3& position) noexcept {
+        if (known_ > 0) {
+            const glm::dvec3 step = position - position_;
+            const bool turned = known_ > 1 && glm::length(step - step_) > options_.largest_turn;
+            if (turned || glm::length(step) > options_.largest_step) ++exceeded_;
+            level_ = std::min(options_.capacity, level_ - glm::dot(force_, step));
+            step_ = step;
+        }
+        known_ = std::min(2, known_ + 1);
+        position_ = position;
+        force_ = {};
+        at_stake_ = 0;
+    }
+
+    [[nodiscard]] double reach_along(const glm::dvec3& direction) const noexcept {
+        const double step = options_.largest_step;
+        return known_ > 1 ? std::min(step, glm::dot(step_, direction) + options_.largest_turn) : step;
+    }
+
+    constexpr void forget() noexcept {
+        known_ = 0;
+        force_ = {};
+        at_stake_ = 0;
+    }
+
+    EnergyTankOptions options_;
+    double level_ = 0;
+    double at_stake_ = 0; ///< J: the most that the present force can give
+    glm::dvec3 position_{0.0};
+    glm::dvec3 step_{0.0};
+    glm::dvec3 force_{0.0};
+    int known_ = 0; ///< positions seen in a row, up to 2
+    unsigned long long exceeded_ = 0;
+};
+
+} // namespace hfh
+
+#endif // HFH_ENERGY_TANK_HPP

@@ -1,0 +1,212 @@
+#include "catch.hpp"
+#include "support/random.hpp"
+
+#include <hfh/moving_mass.hpp>
+
+#include <cmath>
+#include <vector>
+
+using namespace hfh;
+using namespace hfh::test;
+
+namespace {
+
+using State = MovingMass::State;
+
+/// The same equation by brute force: Runge-Kutta of fourth order in long double, many steps; dry friction by Karnopp's
+/// switch at every step. Shares nothing with the header but the numbers that describe the mass.
+struct BruteForce {
+    MovingMass m;
+    long double x, v;
+
+    long double push(long double newtons, long double p, long double speed, long double at,
+                     long double fast) const {
+        return newtons + m.spring * (p - at) + m.damper * (speed - fast) - m.viscous * fast;
+    }
+    void advance(long double seconds, long double newtons, long double from, long double to, long steps) {
+        const long double h = seconds / static_cast<long double>(steps), speed = (to - from) / seconds;
+        for (long n = 0; n < steps; ++n) {
+            const long double p = from + speed * h * static_cast<long double>(n);
+            long double sign = v > 0 ? 1 : v < 0 ? -1 : 0;
+            if (v == 0) {
+                const long double f = push(newtons, p, speed, x, 0);
+                if (std::abs(f) <= m.dry) continue;
+                sign = f > 0 ? 1 : -1;
+            }
+            const auto a = [&](long double t, long double at, long double fast) {
+                return (push(newtons, p + speed * t, speed, at, fast) - sign * m.dry) / m.mass;
+            };
+            const long double x1 = v, v1 = a(0, x, v);
+            const long double x2 = v + h / 2 * v1, v2 = a(h / 2, x + h / 2 * x1, x2);
+            const long double x3 = v + h / 2 * v2, v3 = a(h / 2, x + h / 2 * x2, x3);
+            const long double x4 = v + h * v3, v4 = a(h, x + h * x3, x4);
+            x += h / 6 * (x1 + 2 * x2 + 2 * x3 + x4);
+            v += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
+            if (m.dry > 0 && v * sign < 0) v = 0; // stood still within the step
+        }
+    }
+};
+
+double energy(const MovingMass& m, const State& s, double p) {
+    return 0.5 * m.mass * s.v * s.v + 0.5 * m.spring * (s.x - p) * (s.x - p);
+}
+
+} // namespace
+
+TEST_CASE("MovingMass: free, driven, damped, on a spring: the textbook's formulae", "[moving_mass][law]") {
+    const double t = 0.013;
+    SECTION("a free mass under a constant force") {
+        const MovingMass m{.mass = 0.25};
+        const auto s = m.advance({1, -2}, t, 3, 0, 0);
+        CHECK(s.x == Approx(1 - 2 * t + 0.5 * 12 * t * t).epsilon(1e-15));
+        CHECK(s.v == Approx(-2 + 12 * t).epsilon(1e-15));
+    }
+    SECTION("coasting against viscous friction") {
+        const MovingMass m{.mass = 0.1, .viscous = 2};
+        const auto s = m.advance({0, 1}, t, 0, 0, 0);
+        CHECK(s.v == Approx(std::exp(-20 * t)).epsilon(1e-14));
+        CHECK(s.x == Approx((1 - std::exp(-20 * t)) / 20).epsilon(1e-14));
+    }
+    SECTION("a spring without friction, thirty periods in one call") {
+        const MovingMass m{.mass = 0.1, .spring = 1000};
+        const double w = 100, long_time = 30 * 2 * 3.14159265358979323846 / w + 0.004;
+        const auto s = m.advance({0.01, 0}, long_time, 0, 0, 0);
+        CHECK(s.x == Approx(0.01 * std::cos(w * 0.004)).epsilon(1e-11));
+        CHECK(s.v == Approx(-1.0 * std::sin(w * 0.004)).epsilon(1e-11));
+    }
+    SECTION("sliding to rest under dry friction alone") {
+        const MovingMass m{.mass = 0.5, .dry = 2}; // 4 m/s²: stops after v/4, having gone v²/8
+        const auto s = m.advance({0, 0.02}, t, 0, 0, 0);
+        CHECK(s.v == 0);
+        CHECK(s.x == Approx(0.02 * 0.02 / 8).epsilon(1e-13));
+    }
+    SECTION("at rest, dry friction bears what it can and no more") {
+        const MovingMass m{.mass = 0.5, .dry = 2};
+        CHECK(m.advance({3, 0}, t, 2, 0, 0).x == 3); // to the bit
+        CHECK(m.advance({3, 0}, t, -2, 0, 0).x == 3);
+        CHECK(m.advance({3, 0}, t, 2.5, 0, 0).x == Approx(3 + 0.5 * 1.0 * t * t).epsilon(1e-15));
+        CHECK(m.advance({3, 0}, t, -2.5, 0, 0).v == Approx(-1.0 * t).epsilon(1e-14));
+    }
+    SECTION("dragged by a spring, it starts when the spring has the better of dry friction") {
+        const MovingMass m{.mass = 0.5, .dry = 2, .spring = 1000};
+        // p goes 4 mm in 13 ms: 2 N are reached after half of that, and from there on x″ = ω²(speed·τ − x).
+        const double speed = 0.004 / t, w = std::sqrt(2000.0), tau = t / 2;
+        const auto s = m.advance({0, 0}, t, 0, 0, 0.004);
+        CHECK(s.x == Approx(speed * (tau - std::sin(w * tau) / w)).epsilon(1e-11));
+        CHECK(s.v == Approx(speed * (1 - std::cos(w * tau))).epsilon(1e-11));
+    }
+}
+
+TEST_CASE("MovingMass: agrees with a thousand Runge-Kutta steps a tick in long double", "[moving_mass]") {
+    Random random{61};
+    for (int n = 0; n < 150; ++n) {
+        const auto log_between = [&](double low, double high) {
+            return std::exp(random.between(std::log(low), std::log(high)));
+        };
+        MovingMass m{.mass = log_between(0.01, 1),
+                     .viscous = random.one_in(3) ? 0 : log_between(1e-3, 10),
+                     .dry = 0,
+                     .spring = random.one_in(3) ? 0 : log_between(1, 5000),
+                     .damper = random.one_in(3) ? 0 : log_between(0.01, 20)};
+        State s{random.between(-0.01, 0.01), random.between(-0.3, 0.3)};
+        BruteForce b{m, s.x, s.v};
+        double p = s.x;
+        for (int tick = 0; tick < 20; ++tick) {
+            const double f = random.between(-5, 5), to = p + random.between(-2e-4, 2e-4);
+            s = m.advance(s, 1e-3, f, p, to);
+            b.advance(1e-3L, f, p, to, 1000);
+            p = to;
+        }
+        // Runge-Kutta's own error: (fastest·h)⁴ with fastest ≤ 2000/s, h = 1 µs; ours: rounding of 20 ticks.
+        CHECK(std::abs(static_cast<double>(s.x - b.x)) < 1e-14);
+        CHECK(std::abs(static_cast<double>(s.v - b.v)) < 1e-12);
+    }
+}
+
+TEST_CASE("MovingMass: dry friction, by the same brute force", "[moving_mass]") {
+    Random random{62};
+    double still = 0;
+    for (int n = 0; n < 150; ++n) {
+        MovingMass m{.mass = random.between(0.03, 0.3),
+                     .viscous = random.between(0, 0.1),
+                     .dry = random.between(0.02, 0.5),
+                     .spring = random.between(50, 1000),
+                     .damper = random.between(0, 5)};
+        State s{0, random.one_in(2) ? 0 : random.between(-0.05, 0.05)};
+        BruteForce b{m, s.x, s.v};
+        double p = 0;
+        for (int tick = 0; tick < 20; ++tick) {
+            const double f = random.between(-1, 1), to = p + random.between(-2e-4, 2e-4);
+            s = m.advance(s, 1e-3, f, p, to);
+            b.advance(1e-3L, f, p, to, 4000);
+            p = to;
+            still += s.v == 0;
+            // A stop is found to a step of 0.25 µs: at up to 60 m/s² that is 15 µm/s, and it does not grow.
+            CHECK(std::abs(static_cast<double>(s.v - b.v)) < 3e-5);
+            CHECK(std::abs(static_cast<double>(s.x - b.x)) < 3e-8);
+        }
+    }
+    CHECK(still > 150); // of 3000: both states were there
+    CHECK(still < 2700);
+}
+
+TEST_CASE("MovingMass: sees a stop in the middle of a tick that ends as fast as it began", "[moving_mass]") {
+    // Without the stop: 1 mm/s at both ends and −1 mm/s half way.
+    const MovingMass m{.mass = 0.1, .dry = 0.5, .spring = 5000};
+    const double newtons = -0.3, to = 0.32e-3;
+    const auto s = m.advance({0, 1e-3}, 1e-3, newtons, 0, to);
+    BruteForce b{m, 0, 1e-3L};
+    b.advance(1e-3L, newtons, 0, to, 100000);
+    CHECK(static_cast<double>(b.v) == Approx(2e-3).epsilon(0.1)); // from rest at ½ ms on
+    CHECK(s.v == Approx(static_cast<double>(b.v)).epsilon(1e-4));
+    CHECK(s.x == Approx(static_cast<double>(b.x)).epsilon(1e-4));
+}
+
+TEST_CASE("MovingMass: two halves of a tick make the whole", "[moving_mass][law]") {
+    Random random{63};
+    for (int n = 0; n < 1000; ++n) {
+        const MovingMass m{.mass = random.between(0.03, 0.3),
+                           .viscous = random.between(0, 0.1),
+                           .dry = random.one_in(2) ? 0 : random.between(0.02, 0.5),
+                           .spring = random.between(0, 1000),
+                           .damper = random.between(0, 5)};
+        const State s{random.between(-1e-3, 1e-3), random.between(-0.1, 0.1)};
+        const double f = random.between(-2, 2), to = random.between(-1e-3, 1e-3), t = 1e-3;
+        const auto whole = m.advance(s, t, f, 0, to);
+        const double share = random.between(0.1, 0.9);
+        const auto half = m.advance(s, share * t, f, 0, share * to);
+        const auto both = m.advance(half, (1 - share) * t, f, share * to, to);
+        CHECK(std::abs(both.x - whole.x) < 1e-16);
+        CHECK(std::abs(both.v - whole.v) < 1e-13);
+    }
+}
+
+TEST_CASE("MovingMass: left alone, its energy never grows, whatever the friction", "[moving_mass][law]") {
+    Random random{64};
+    for (int n = 0; n < 300; ++n) {
+        const MovingMass m{.mass = random.between(0.03, 0.3),
+                           .viscous = random.between(0, 0.1),
+                           .dry = random.one_in(2) ? 0 : random.between(1e-4, 0.5),
+                           .spring = random.between(0, 5000),
+                           .damper = random.between(0, 5)};
+        State s{random.between(-1e-2, 1e-2), random.between(-0.3, 0.3)};
+        double before = energy(m, s, 0);
+        for (int tick = 0; tick < 200; ++tick) {
+            s = m.advance(s, 1e-3, 0, 0, 0);
+            const double now = energy(m, s, 0);
+            CHECK(now <= before * (1 + 1e-14));
+            before = now;
+        }
+    }
+}
+
+TEST_CASE("MovingMass: knows what it cannot solve", "[moving_mass]") {
+    CHECK(MovingMass{}.valid(1e-3));
+    CHECK_FALSE(MovingMass{.mass = 0}.valid(1e-3));
+    CHECK_FALSE(MovingMass{.mass = -1}.valid(1e-3));
+    CHECK_FALSE(MovingMass{.viscous = -1}.valid(1e-3));
+    CHECK_FALSE(MovingMass{.spring = std::nan("")}.valid(1e-3));
+    CHECK_FALSE(MovingMass{.damper = HUGE_VAL}.valid(1e-3));
+    CHECK_FALSE(MovingMass{}.valid(0));
+    CHECK_FALSE(MovingMass{.mass = 1e-6, .damper = 10}.valid(1e-3)); // 10⁷/s
+}

@@ -1,0 +1,177 @@
+#include "catch.hpp"
+#include "support/allocations.hpp"
+#include "support/random.hpp"
+
+#include <hfh/simulated_device.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+using namespace hfh;
+using namespace hfh::test;
+
+namespace {
+
+struct Still {
+    glm::dvec3 operator()(double) const noexcept { return at; }
+    glm::dvec3 at{0.0};
+};
+struct Circle {
+    glm::dvec3 operator()(double t) const noexcept {
+        return {0.02 * std::cos(9 * t), 0.02 * std::sin(9 * t), 0.01 * std::sin(5 * t)};
+    }
+};
+static_assert(Device<SimulatedDevice<Still>>);
+static_assert(Device<SimulatedDevice<Circle>>);
+
+DeviceModel plain(double rate = 1000) { return {.mass = 0.1, .capabilities = {.rate = rate}}; }
+constexpr HandGrip no_hand{0, 0};
+
+} // namespace
+
+TEST_CASE("SimulatedDevice: holds each force for one update, whatever the rate", "[simulated_device][law]") {
+    for (const double rate : {1000.0, 4000.0}) {
+        SimulatedDevice device{plain(rate), no_hand, Still{}, 1};
+        const double period = 1 / rate;
+        double x = 0, v = 0; // 0.1 kg, pushed by 1 N, 2 N, …
+        for (int k = 1; k <= 10; ++k) {
+            const auto sample = device.step({0, 0, k});
+            x += v * period + 5 * k * period * period;
+            v += 10 * k * period;
+            CHECK(sample.time == Approx(k * period));
+            CHECK(sample.position.z == Approx(x).epsilon(1e-13));
+            CHECK(device.velocity().z == Approx(v).epsilon(1e-13));
+            CHECK(sample.position.x == 0);
+            CHECK_FALSE(sample.has_velocity);
+        }
+    }
+}
+
+TEST_CASE("SimulatedDevice: a force comes late by the delay, no more and no less", "[simulated_device]") {
+    for (int delay = 0; delay <= 8; ++delay) {
+        DeviceModel model = plain();
+        model.capabilities.delay = delay;
+        SimulatedDevice device{model, no_hand, Still{}, 1};
+        REQUIRE(device.valid());
+        for (int k = 0; k < 30; ++k) {
+            device.step({k + 1.0, -k, 0});
+            const double then = k - delay;
+            CHECK(device.held() == (then < 0 ? glm::dvec3{0.0} : glm::dvec3{then + 1, -then, 0}));
+        }
+    }
+}
+
+TEST_CASE("SimulatedDevice: encoders round, motors shorten", "[simulated_device]") {
+    DeviceModel model = plain();
+    model.capabilities.resolution = 1e-4;
+    model.capabilities.max_force = 2;
+    Random random{71};
+    SimulatedDevice device{model, {200, 3}, Circle{}, 1};
+    double largest = 0, between = 0;
+    for (int k = 0; k < 500; ++k) {
+        const glm::dvec3 wanted{random.between(-3, 3), random.between(-3, 3), random.between(-3, 3)};
+        const auto sample = device.step(wanted);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double off = sample.position[axis] - device.position()[axis];
+            CHECK(std::abs(off) <= 0.5e-4 * (1 + 1e-9));
+            CHECK(std::abs(sample.position[axis] / 1e-4 - std::round(sample.position[axis] / 1e-4)) < 1e-9);
+            between = std::max(between, std::abs(off));
+        }
+        const double length = glm::length(wanted);
+        CHECK(glm::length(device.held()) == Approx(std::min(2.0, length)));
+        CHECK(glm::length(glm::cross(device.held(), wanted)) < 1e-12); // the direction stays
+        largest = std::max(largest, length);
+    }
+    CHECK(between > 0.4e-4);
+    CHECK(largest > 3);
+}
+
+TEST_CASE("SimulatedDevice: a hand draws it along, and lags by no more than friction and mass make it",
+          "[simulated_device]") {
+    SimulatedDevice device{simulated_touch, {.stiffness = 300, .damping = 4}, Circle{}, 5};
+    double farthest = 0;
+    for (int k = 0; k < 5000; ++k) {
+        device.step({});
+        if (k >= 1000) farthest = std::max(farthest, glm::length(device.position() - device.hand()));
+    }
+    // Dry friction on each axis: 0.26 N / 300 N/m = 0.87 mm, √3 of it in all; the mass on its circle adds 0.24 mm.
+    CHECK(farthest > 0.5e-3);
+    CHECK(farthest < 1.8e-3);
+}
+
+TEST_CASE("SimulatedDevice: run calls once an update, in order, and ends as it is told",
+          "[simulated_device]") {
+    SimulatedDevice device{simulated_touch, {}, Circle{}, 0.25};
+    int calls = 0;
+    CHECK(device.run([&](const DeviceSample& sample) -> DeviceCommand {
+        CHECK(sample.time == Approx(calls++ / 1000.0).margin(1e-15));
+        return {.newtons = {0.1, 0, 0}};
+    }) == DeviceEnd::stopped);
+    CHECK(calls == 250);
+    CHECK(device.held() == glm::dvec3{0.0});
+
+    SimulatedDevice second{simulated_touch, {}, Circle{}, 1};
+    calls = 0;
+    CHECK(second.run([&](const DeviceSample&) -> DeviceCommand {
+        return {.newtons = {0.1, 0, 0}, .go_on = ++calls < 7};
+    }) == DeviceEnd::stopped);
+    CHECK(calls == 7);
+
+    SimulatedDevice third{simulated_touch, {}, Circle{}, 1};
+    calls = 0;
+    CHECK(third.run([&](const DeviceSample&) -> DeviceCommand {
+        return {.newtons = {0, 0, ++calls < 3 ? 0.0 : std::nan("")}};
+    }) == DeviceEnd::force_fault);
+    CHECK(calls == 3);
+    CHECK(is_finite(third.position()));
+    CHECK(third.held() == glm::dvec3{0.0});
+}
+
+TEST_CASE("SimulatedDevice: a model that makes no sense does not start", "[simulated_device]") {
+    const auto starts = [](const DeviceModel& model, HandGrip grip = {}) {
+        SimulatedDevice device{model, grip, Still{}, 0.01};
+        bool called = false;
+        const auto end = device.run([&](const DeviceSample&) -> DeviceCommand {
+            called = true;
+            return {};
+        });
+        CHECK(called == device.valid());
+        CHECK((end == DeviceEnd::not_available) == !called);
+        return called;
+    };
+    CHECK(starts(simulated_touch));
+    CHECK(starts(simulated_premium));
+    DeviceModel model = plain();
+    CHECK(starts(model));
+    for (const int delay : {-1, 9}) {
+        model.capabilities.delay = delay;
+        CHECK_FALSE(starts(model));
+    }
+    for (const double rate : {0.0, -1.0, std::nan("")}) CHECK_FALSE(starts(plain(rate)));
+    CHECK_FALSE(starts({.mass = 0, .capabilities = {.rate = 1000}}));
+    CHECK_FALSE(starts(plain(), {-1, 0}));
+}
+
+TEST_CASE("SimulatedDevice: the same run gives the same bits, and allocates nothing", "[simulated_device]") {
+    const auto run = [](std::vector<double>& seen) {
+        SimulatedDevice device{simulated_premium, {}, Circle{}, 1};
+        const auto before = allocations();
+        const auto end = device.run([&](const DeviceSample& sample) -> DeviceCommand {
+            seen.push_back(sample.position.z);
+            return {.newtons = {0, 0, sample.position.z < 0 ? -3500 * sample.position.z : 0}};
+        });
+        CHECK(allocations() == before);
+        CHECK(end == DeviceEnd::stopped);
+    };
+    std::vector<double> first, second;
+    first.reserve(1000);
+    second.reserve(1000);
+    run(first);
+    run(second);
+    REQUIRE(first.size() == 1000);
+    REQUIRE(second.size() == 1000);
+    CHECK(std::memcmp(first.data(), second.data(), first.size() * sizeof(double)) == 0);
+}
