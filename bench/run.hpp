@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-// What every benchmark program shares; main.cpp has the definitions.
+// What every benchmark program shares; main.cpp and allocations.cpp have the definitions.
 
 namespace hfh::bench {
 
@@ -18,8 +18,9 @@ void register_benchmarks();
 /// Marks the benchmark as wrong. The program then ends with a non-zero exit code.
 void fail(benchmark::State& state, const std::string& why);
 
-/// Bytes that operator new has given out so far.
+/// Bytes that operator new has given out so far, and how often it was called.
 [[nodiscard]] std::size_t bytes_allocated() noexcept;
+[[nodiscard]] std::size_t allocations() noexcept;
 
 template <class Body>
 void add(const std::string& name, Body&& body) {

@@ -11,7 +11,8 @@ struct Segment {
 
 /// Segments of `length` cells in plan, anywhere on the ground and in any direction. Each starts above everything that
 /// lies under it and ends a quarter of a cell over or under the ground, half of them each.
-[[nodiscard]] inline std::vector<Segment> segments(const Terrain& terrain, std::size_t count, double length) {
+template <class Ground>
+[[nodiscard]] std::vector<Segment> segments(const Ground& terrain, std::size_t count, double length) {
     const glm::dvec2 spacing = terrain.kind.spacing;
     const glm::dvec2 size = spacing * glm::dvec2{static_cast<double>(terrain.kind.columns - 1),
                                                  static_cast<double>(terrain.kind.rows - 1)};

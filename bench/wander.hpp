@@ -11,14 +11,18 @@ namespace hfh::bench {
 using test::Random;
 
 /// A path over the ground as a hand might take it, `count` points `step` cells apart (in plan; a cell is dx along x and
-/// dy along y). It turns as it goes, into a new direction every 20 cells or so, and stays 16 cells off the border.
-[[nodiscard]] inline std::vector<glm::dvec2> wander(const Terrain& terrain, std::size_t count, double step,
-                                                    std::uint64_t seed = 1) {
+/// dy along y). It turns as it goes, into a new direction every 20 cells or so, and stays 16 cells off the border. It
+/// begins in the middle, or anywhere but in the outer share `from` of each side.
+template <class Ground>
+[[nodiscard]] std::vector<glm::dvec2> wander(const Ground& terrain, std::size_t count, double step,
+                                             std::uint64_t seed = 1, double from = 0.3) {
     constexpr double margin = 16;
     const double width = static_cast<double>(terrain.kind.columns - 1),
                  depth = static_cast<double>(terrain.kind.rows - 1);
     Random random{seed};
-    double u = width * random.between(0.3, 0.7), v = depth * random.between(0.3, 0.7);
+    double u = width * random.between(from, 1 - from), v = depth * random.between(from, 1 - from);
+    u = std::clamp(u, margin, width - margin);
+    v = std::clamp(v, margin, depth - margin);
     double heading = random.between(0, 2 * std::numbers::pi);
     std::vector<glm::dvec2> path;
     path.reserve(count);

@@ -1,0 +1,77 @@
+#include "bounded.hpp"
+#include "strokes.hpp"
+
+#include <cstring>
+
+// What the optional bounds cost to have: memory, and the pass that makes them against a pass that only reads.
+
+namespace hfh::bench {
+#ifdef HFH_HAS_BOUNDS
+namespace {
+
+/// The sum of all bytes in words of eight, in four chains so that no addition waits: as fast as one core reads.
+std::uint64_t read_all(const std::int16_t* samples, std::size_t count) noexcept {
+    constexpr std::size_t lanes = 32;
+    std::uint64_t sum[lanes] = {};
+    const auto* bytes = reinterpret_cast<const unsigned char*>(samples);
+    const std::size_t size = 2 * count / (8 * lanes) * (8 * lanes);
+    for (std::size_t at = 0; at < size; at += 8 * lanes) {
+        std::uint64_t words[lanes];
+        std::memcpy(words, bytes + at, sizeof words);
+        for (std::size_t k = 0; k < lanes; ++k) sum[k] += words[k];
+    }
+    std::uint64_t total = 0;
+    for (const auto s : sum) total += s;
+    return total;
+}
+
+} // namespace
+#endif
+
+Findings bounds(const Settings& settings) {
+    Findings found;
+    Row bytes{"the optional bounds, memory", "bytes a sample", {{"", Figure::Goal::at_most, 0.1}}, {}, false};
+    Row build{"the optional bounds, speed of building over speed of reading memory",
+              "×",
+              {{"", Figure::Goal::at_least, 0.5}}};
+#ifdef HFH_HAS_BOUNDS
+    // Larger than any cache.
+    const Index side = settings.vast ? 16385 : 8193;
+    const auto ground = made_up_ground("hills", side, side);
+    const auto samples = static_cast<std::size_t>(side * side);
+    Bounded bounded{ground.grid<double>()};
+    bytes.figures[0].measured = static_cast<double>(bounded.bytes()) / static_cast<double>(samples);
+    const auto paces =
+        race({{1, static_cast<double>(samples),
+               [&](std::size_t) { benchmark::DoNotOptimize(read_all(ground.samples.get(), samples)); }},
+              {1, static_cast<double>(samples),
+               [&](std::size_t) {
+                   if (!bounded.build()) throw Fault{"no bounds could be built"};
+               }}},
+             7);
+    build.figures[0].measured = paces[0].fastest / paces[1].fastest;
+    build.beside = "reading " + text(2 / paces[0].fastest) + " GB/s, building " + text(2 / paces[1].fastest) +
+                   " GB/s, " + text(static_cast<double>(samples) / 1e6) + " M samples";
+    // The ranges hold what they bound.
+    const auto& field = bounded.field();
+    for (Index J = 0; J < (side - 2) / 16; J += 37) {
+        for (Index I = 0; I < (side - 2) / 16; I += 41) {
+            double low = 1e300, high = -1e300;
+            for (Index j = 16 * J; j <= 16 * J + 16; ++j) {
+                for (Index i = 16 * I; i <= 16 * I + 16; ++i) {
+                    low = std::min(low, ground.sample(i, j));
+                    high = std::max(high, ground.sample(i, j));
+                }
+            }
+            const auto range = field.block_range(0, {I, J});
+            if (range.lowest != low || range.highest != high) throw Fault{"a block's bounds are wrong"};
+        }
+    }
+#else
+    (void)settings;
+#endif
+    found.rows = {std::move(bytes), std::move(build)};
+    return found;
+}
+
+} // namespace hfh::bench

@@ -1,0 +1,184 @@
+#ifndef HFH_BENCH_GOALS_GROUND_HPP
+#define HFH_BENCH_GOALS_GROUND_HPP
+
+#include "../terrain.hpp"
+#include "peers.hpp"
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+
+// The ground of the goals that is not in terrain.hpp: rasters with holes, in float, and made up ones of any size.
+
+namespace hfh::bench {
+
+/// Samples, south row first; what a Terrain has, for any sample type. Heights in the unit of the spacing.
+template <Sample S, class Missing = NeverMissing>
+struct Ground {
+    TerrainKind kind;
+    std::shared_ptr<const S> samples;
+    Missing missing{};
+    double steepest = 0;
+
+    template <Real T>
+    using Grid = BilinearGrid<T, HeightView<S, Missing>>;
+    template <Real T>
+    [[nodiscard]] Grid<T> grid() const noexcept {
+        return {HeightView<S, Missing>{samples.get(), kind.columns, kind.rows, missing},
+                {.spacing = kind.spacing}};
+    }
+    [[nodiscard]] double cell() const noexcept { return std::sqrt(kind.spacing.x * kind.spacing.y); }
+    [[nodiscard]] double sample(Index i, Index j) const noexcept {
+        const S s = samples.get()[i + j * kind.columns];
+        return missing(s) ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(s);
+    }
+    /// As Terrain::surface; NaN over a hole.
+    [[nodiscard]] double surface(double x, double y) const noexcept {
+        const double a = x / kind.spacing.x, b = y / kind.spacing.y;
+        const Index i = std::clamp<Index>(static_cast<Index>(a), 0, kind.columns - 2);
+        const Index j = std::clamp<Index>(static_cast<Index>(b), 0, kind.rows - 2);
+        const double u = a - static_cast<double>(i), v = b - static_cast<double>(j);
+        return sample(i, j) * (1 - u) * (1 - v) + sample(i + 1, j) * u * (1 - v) +
+               sample(i, j + 1) * (1 - u) * v + sample(i + 1, j + 1) * u * v;
+    }
+};
+
+/// `surface`, or what is nearest to it over a hole or outside: for a stylus that has to be somewhere.
+template <class G>
+[[nodiscard]] bool over_surface(const G& ground, const glm::dvec2& at) noexcept {
+    return !std::isnan(ground.surface(at.x, at.y));
+}
+
+[[nodiscard]] inline PeerHeights for_peers(const Terrain& t) noexcept {
+    const auto& k = t.kind;
+    return {t.samples.data() + (k.rows - 1) * k.columns, k.columns, k.rows, -k.columns, k.spacing};
+}
+[[nodiscard]] inline PeerHeights for_peers(const Ground<std::int16_t>& g) noexcept {
+    return {g.samples.get(), g.kind.columns, g.kind.rows, g.kind.columns, g.kind.spacing};
+}
+
+namespace detail {
+
+template <class G>
+void find_steepest(G& ground) {
+    for (Index j = 0; j + 1 < ground.kind.rows; ++j) {
+        for (Index i = 0; i + 1 < ground.kind.columns; ++i) {
+            const double here = ground.sample(i, j);
+            const double x = std::abs(ground.sample(i + 1, j) - here) / ground.kind.spacing.x,
+                         y = std::abs(ground.sample(i, j + 1) - here) / ground.kind.spacing.y;
+            if (x > ground.steepest) ground.steepest = x; // false for NaN
+            if (y > ground.steepest) ground.steepest = y;
+        }
+    }
+}
+
+} // namespace detail
+
+/// <name>.bil of the data directory, its size, spacing and missing value from <name>.hdr; none if it is not there or
+/// not of this sample type.
+template <Sample S>
+[[nodiscard]] std::optional<Ground<S, MissingValue<S>>> real_ground(const char* name) {
+    const std::string path = HFH_SHARED_DATA_DIR "/" + std::string{name};
+    std::ifstream header{path + ".hdr"}, file{path + ".bil", std::ios::binary};
+    if (!header || !file) return {};
+    std::map<std::string, std::string> keys;
+    for (std::string key, value; header >> key >> value;) keys[key] = value;
+    if ((keys["PIXELTYPE"] == "FLOAT") != std::is_floating_point_v<S>) return {};
+
+    const Index columns = std::stol(keys["NCOLS"]), rows = std::stol(keys["NROWS"]);
+    const std::shared_ptr<S[]> samples{new S[static_cast<std::size_t>(columns * rows)]};
+    for (Index j = rows - 1; j >= 0; --j) {
+        const auto bytes = static_cast<std::streamsize>(sizeof(S)) * columns;
+        if (!file.read(reinterpret_cast<char*>(samples.get() + j * columns), bytes)) return {};
+    }
+    const S missing = keys.count("NODATA") > 0 ? static_cast<S>(std::stod(keys["NODATA"]))
+                                               : std::numeric_limits<S>::lowest();
+    Ground<S, MissingValue<S>> ground{
+        {name, name, columns, rows, {std::stod(keys["XDIM"]), std::stod(keys["YDIM"])}, 0, 0, 0},
+        {samples, samples.get()},
+        {missing}};
+    ground.kind.lowest = std::numeric_limits<double>::max();
+    ground.kind.highest = std::numeric_limits<double>::lowest();
+    for (Index k = 0; k < columns * rows; ++k) {
+        if (samples[k] == missing) continue;
+        ground.kind.lowest = std::min(ground.kind.lowest, static_cast<double>(samples[k]));
+        ground.kind.highest = std::max(ground.kind.highest, static_cast<double>(samples[k]));
+    }
+    detail::find_steepest(ground);
+    return ground;
+}
+
+/// Hills without end, made for speed: a tile of 2048 × 2048 samples with wavelengths of 256 samples down to 2, which
+/// fits its own other side, on broad ones of 16384 and 4096 samples that are interpolated over 64. One height is two
+/// loads and a few additions, and the same for the same (i, j) whatever the size of the raster.
+class Hills {
+public:
+    Hills() : tile_(side * side) {
+        for (Index j = 0; j < side; ++j) {
+            for (Index i = 0; i < side; ++i) tile_[static_cast<std::size_t>(i + j * side)] = detail_at(i, j);
+        }
+    }
+
+    /// Samples (0…columns−1, j).
+    void row(Index j, Index columns, std::int16_t* into) const {
+        const float* tile = &tile_[static_cast<std::size_t>(j % side * side)];
+        float left = broad(0, j);
+        for (Index i = 0; i < columns; i += step) {
+            const float right = broad(i + step, j);
+            const Index end = std::min(step, columns - i);
+            for (Index k = 0; k < end; ++k) {
+                const float share = static_cast<float>(k) * (1.0f / step);
+                into[i + k] = static_cast<std::int16_t>(left + (right - left) * share + tile[(i + k) % side]);
+            }
+            left = right;
+        }
+    }
+
+    static constexpr double lowest = 0, highest = 4000; ///< about
+
+private:
+    static constexpr Index side = 2048, step = 64;
+
+    /// ±470 m, with the slopes of hills at 30 m from sample to sample.
+    static float detail_at(Index i, Index j) {
+        double sum = 0, amplitude = 256;
+        for (Index wavelength = 256; wavelength >= 2; wavelength /= 2, amplitude *= 0.45) {
+            const Index period = side / wavelength;
+            const double x = static_cast<double>(i) / static_cast<double>(wavelength),
+                         y = static_cast<double>(j) / static_cast<double>(wavelength);
+            const Index a = static_cast<Index>(x), b = static_cast<Index>(y);
+            const auto at = [&](Index di, Index dj) {
+                return detail::lattice_noise(static_cast<std::uint64_t>(wavelength), (a + di) % period,
+                                             (b + dj) % period);
+            };
+            const auto ease = [](double t) { return t * t * (3 - 2 * t); };
+            const double u = ease(x - static_cast<double>(a)), v = ease(y - static_cast<double>(b));
+            sum += amplitude *
+                   ((1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1)));
+        }
+        return static_cast<float>(sum);
+    }
+    static float broad(Index i, Index j) {
+        const double x = static_cast<double>(i), y = static_cast<double>(j);
+        return static_cast<float>(2000 + 1000 * detail::smooth_noise(100, x / 16384, y / 16384) +
+                                  400 * detail::smooth_noise(101, x / 4096, y / 4096));
+    }
+
+    std::vector<float> tile_;
+};
+
+/// `columns` × `rows` samples of the hills, 30 m apart, in memory.
+[[nodiscard]] inline Ground<std::int16_t> made_up_ground(const char* name, Index columns, Index rows) {
+    const std::shared_ptr<std::int16_t[]> samples{new std::int16_t[static_cast<std::size_t>(columns * rows)]};
+    const Hills hills;
+    for (Index j = 0; j < rows; ++j) hills.row(j, columns, samples.get() + j * columns);
+    Ground<std::int16_t> ground{{name, "", columns, rows, {30, 30}, Hills::lowest, Hills::highest, 0},
+                                {samples, samples.get()}};
+    ground.steepest = 10; // no more than that, at 30 m: the octaves' slopes add to less
+    return ground;
+}
+
+} // namespace hfh::bench
+
+#endif // HFH_BENCH_GOALS_GROUND_HPP
