@@ -4,6 +4,7 @@
 
 #include <hfh/damping.hpp>
 #include <hfh/force_shading.hpp>
+#include <hfh/friction.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/level_beyond.hpp>
 
@@ -23,6 +24,8 @@ template struct ForceEvaluator<float>;
 template struct ForceEvaluator<double>;
 template struct Damping<float>;
 template struct Damping<double>;
+template class Friction<float>;
+template class Friction<double>;
 template class VelocityFilter<float>;
 template class VelocityFilter<double>;
 template struct NewtonResult<float>;
@@ -83,7 +86,9 @@ template <Real T, Sample S>
     const auto contact = tracker.update({T(1), T(1), T(300)});
     const LevelBeyond level{holed_grid};
     ProxyTracker level_tracker{level};
-    const auto shaded = shade_force(level, level_tracker.update({T(1), T(1), T(1)}));
+    const vec3<T> stylus{T(1), T(1), T(1)};
+    Friction<T> friction{};
+    const auto shaded = friction.hold(level, shade_force(level, level_tracker.update(stylus)), stylus);
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
            nearest.u >= 0 && is_finite(force(contact).newtons) &&
