@@ -7,6 +7,7 @@
 #include <hfh/friction.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/raised_field.hpp>
 
 #include <cstdint>
 
@@ -48,6 +49,8 @@ template struct TrackerState<double>;
     template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
     template class LevelBeyond<BilinearGrid<float, HeightView<S>>>;                                          \
     template class LevelBeyond<BilinearGrid<double, HeightView<S>>>;                                         \
+    template class RaisedField<BilinearGrid<float, HeightView<S>>>;                                          \
+    template class RaisedField<BilinearGrid<double, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
@@ -85,10 +88,11 @@ template <Real T, Sample S>
     const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
     const auto contact = tracker.update({T(1), T(1), T(300)});
     const LevelBeyond level{holed_grid};
-    ProxyTracker level_tracker{level};
+    const RaisedField raised{level, T(1), 2};
+    ProxyTracker level_tracker{raised};
     const vec3<T> stylus{T(1), T(1), T(1)};
     Friction<T> friction{};
-    const auto shaded = friction.hold(level, shade_force(level, level_tracker.update(stylus)), stylus);
+    const auto shaded = friction.hold(raised, shade_force(raised, level_tracker.update(stylus)), stylus);
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
            nearest.u >= 0 && is_finite(force(contact).newtons) &&

@@ -20,8 +20,8 @@ namespace hfh {
 /// tip's centre, on this surface. Nothing is stored: a vertex is computed when it is asked for, from the patches
 /// within r (whole patches, not samples alone), so edits are felt at once.
 ///
-/// How far it is from the true offset surface: at the vertices nothing but rounding where |twist|·r < dx·dy, and too
-/// low where patches are bent more sharply than the ball. Between them, over convex ground the chord runs below
+/// How far it is from the true offset surface: at the vertices nothing but rounding where the patches within r have
+/// |twist|·r < dx·dy/2, and perhaps too low where they are bent nearly as sharply as the ball or more. Between them, over convex ground the chord runs below
 /// the arc, by (dx² + dy²)/(8 r n²) on gentle ground; in creases of the offset surface it runs above by a quarter of
 /// the change of slope times dx/n. A tip smaller than half a (subdivided) cell is so not resolved: choose
 /// n ≥ 2·dx/r. For a solid; a sheet would need a second surface, lowered by r, for its other side.
@@ -100,8 +100,8 @@ private:
     /// The greatest z(y) + √(r² − |y|²) over a patch whose corner 00 lies at `corner` from the ball's centre; `nearest`
     /// is its point nearest to the centre. Along a line the sum is greatest in closed form, at R·s/√(1 + s²) for a
     /// slope s and R² = r² − (distance of the line)²; so it climbs along x and y in turn, from the point where the
-    /// mean plane of the patch would touch. The sum is concave where |twist|·r < dx·dy; there the climb ends at the
-    /// top, elsewhere perhaps at a lower one.
+    /// mean plane of the patch would touch. The sum is concave where |twist|·r < dx·dy; there the climb leads to the
+    /// top, by a factor of (|twist|·r/(dx·dy))² nearer each turn on level ground; elsewhere perhaps to a lower one.
     [[nodiscard]] Scalar highest_centre(const BilinearPatch<Scalar>& patch, const vec2<Scalar>& corner,
                                         const vec2<Scalar>& nearest) const noexcept {
         const vec2<Scalar> cell = patch.spacing, far = corner + cell;
