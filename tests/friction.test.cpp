@@ -294,7 +294,7 @@ TEMPLATE_TEST_CASE(
             CHECK(held > 500);
             CHECK(slipped > 500);
             // A cone that begins and ends within one cell may be passed over; that is rare.
-            CHECK(late * 50 <= slipped);
+            CHECK(late * 1000 <= slipped);
         }
     }
 }
@@ -398,6 +398,34 @@ TEMPLATE_TEST_CASE("Friction: a way that leads over a hole, or too far, gives no
     CHECK(jump(T(20.5), T(24.5), 4) == 0);  // five cells, four allowed
     CHECK(jump(T(10.5), T(15.5), 64) == 0); // the hole
     CHECK(jump(T(15.5), T(10.5), 64) == 0);
+}
+
+TEMPLATE_TEST_CASE("Friction: on the way up a face that holds the stylus the anchor ends at its foot",
+                   "[friction]", float, double) {
+    using T = TestType;
+    // A floor, and from x = 4 a face of 45 degrees. The stylus presses on the face, a little up from its foot; the floor
+    // does not hold it, the face does all over.
+    const auto ground = terrain<T>(9, 9, [](Index i, Index) { return double(std::max<Index>(i - 4, 0)); });
+    const auto grid = ground.grid();
+    const T half = std::sqrt(T(0.5));
+    const vec3<T> normal{-half, T(0), half}, up{half, T(0), half};
+    const vec3<T> foot{T(4), T(4.5), T(0)}, proxy = foot + T(0.04) * up, stylus = proxy - T(0.5) * normal;
+    Contact<T> contact;
+    contact.status = ContactStatus::contact;
+    contact.side = Side::above;
+    contact.depth = T(0.25);
+    contact.penetration.z = T(0.25);
+    contact.point = {{3, 4}, T(0.75), T(0.5)};
+    Friction<T> friction{{T(0.25), T(0.25)}};
+    static_cast<void>(friction.hold(grid, contact, {T(3.75), T(4.5), T(-0.25)}));
+    contact.depth = T(0.5);
+    contact.penetration = T(0.5) * normal;
+    contact.point = {{4, 4}, T(0.04) * half, T(0.5)};
+    contact.proxy = proxy;
+    const auto held = friction.hold(grid, contact, stylus);
+    CHECK(held.proxy.x == Approx(4).margin(16 * double(epsilon<T>)));
+    CHECK(same(held.point, SurfacePoint<T>{{4, 4}, T(0), T(0.5)}));
+    CHECK(glm::length(held.penetration - (foot - stylus)) <= 16 * epsilon<T>);
 }
 
 TEMPLATE_TEST_CASE("Friction: coefficients that are none mean no friction", "[friction]", float, double) {

@@ -167,7 +167,8 @@ private:
             return cone.outside(coefficients_.sliding, from_below());
         };
         const auto start = view(T(0)), end = view(T(1));
-        T low = 0, f_low = outside(start), high = 1, f_high = outside(end);
+        const T f_low = outside(start);
+        T low = 0, high = 1, f_high = outside(end);
         if (f_low <= 0) return true;
         if (f_high > 0) { // the cone may lie between: where the chord is nearest to the stylus
             const vec3<T> chord = end.offset - start.offset;
@@ -178,17 +179,23 @@ private:
         }
         // Regula falsi in the form of Illinois: on a plane, straight towards the foot, `outside` is linear.
         const T enough = 8 * epsilon<T> * glm::length(start.offset);
+        const T finest =
+            2 * epsilon<T>; // of the way: of an end that is the zero but for rounding, step off it
         T weight_low = f_low, weight_high = f_high;
+        int moved = 0; // the end that moved last; the other one counts half if that moves twice
         for (int step = 0; step < 64 && f_high < -enough; ++step) {
-            const T middle = low + (high - low) * (weight_low / (weight_low - weight_high));
-            if (!(low < middle && middle < high)) break;
+            const T guess = low + (high - low) * (weight_low / (weight_low - weight_high));
+            const T middle = std::clamp(guess, low + finest, std::max(low + finest, high - finest));
+            if (!(middle < high)) break;
             const T f = outside(view(middle));
             if (f > 0) {
-                low = middle, f_low = weight_low = f;
-                weight_high /= 2;
+                low = middle, weight_low = f;
+                if (moved < 0) weight_high /= 2;
+                moved = -1;
             } else {
                 high = middle, f_high = weight_high = f;
-                weight_low /= 2;
+                if (moved > 0) weight_low /= 2;
+                moved = 1;
             }
         }
         const T u = u_at(high), v = v_at(high);

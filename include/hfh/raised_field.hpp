@@ -21,14 +21,21 @@ namespace hfh {
 /// within r (whole patches, not samples alone), so edits are felt at once.
 ///
 /// How far it is from the true offset surface: at the vertices nothing but rounding where the patches within r have
-/// |twist|·r < dx·dy/2, and perhaps too low where they are bent nearly as sharply as the ball or more. Between them, over convex ground the chord runs below
-/// the arc, by (dx² + dy²)/(8 r n²) on gentle ground; in creases of the offset surface it runs above by a quarter of
-/// the change of slope times dx/n. A tip smaller than half a (subdivided) cell is so not resolved: choose
-/// n ≥ 2·dx/r. For a solid; a sheet would need a second surface, lowered by r, for its other side.
+/// |twist|·r < dx·dy/2, and perhaps too low where they are bent nearly as sharply as the ball or more. Between them
+/// it is too low over convex ground, where the chord runs below the arc, by (dx² + dy²)/(8 r n²) on gentle ground, and
+/// too high in creases of the offset surface, by a quarter of the change of slope times dx/n. Measured, in cells,
+/// the largest of 200 points, with r of one cell and n = 1, 2, 4: rounding on planes and valleys; a ridge of twice 27°
+/// 0.07, 0.03, 0.01; samples at random over half a cell 0.06, 0.04, 0.03, over two cells 0.38, 0.24, 0.09. A tip smaller
+/// than the cells of the fine lattice is not resolved at crests: choose n ≥ 2·dx/r.
+///
+/// The guarantees are not to be had for the exact offset surface by composition: its pieces are spheres, cylinders and
+/// offsets of bilinear patches that cut each other, and first crossing and descent are exact for bilinear patches.
+/// For a solid; a sheet would need a second surface, lowered by r, for its other side.
 ///
 /// Around a hole, and beyond the rim, the surface goes on as far as the ball still touches, r, and holes narrower
-/// than the tip close. One vertex costs at most (2r/dx + 2)·(2r/dy + 2) patches, one patch four vertices. Keeps a
-/// pointer to the field, which must outlive it; does not throw, does not allocate.
+/// than the tip close. One vertex costs at most (2r/dx + 3)·(2r/dy + 3) patches of the field, one patch four vertices:
+/// some 4 µs at r = dx/2, 10 at 2 dx, so give the tracker a `max_patches` of a hundred or so. Keeps a pointer to the
+/// field, which must outlive it; does not throw, does not allocate.
 template <HeightField Field>
 class RaisedField {
 public:
