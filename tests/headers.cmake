@@ -18,7 +18,6 @@ set(order
     device
     damping force_shading friction level_beyond raised_field)
 
-
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
 

@@ -24,7 +24,7 @@ template <HeightField Field>
 shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& point) noexcept {
     using T = typename Field::Scalar;
     // Slopes at vertex (a, b) of the cell, summed over patches south-west, south-east, north-west, north-east of it.
-    vec2<T> sum[2][2]{vec2<T>{T(0)}, vec2<T>{T(0)}, vec2<T>{T(0)}, vec2<T>{T(0)}};
+    vec2<T> sum[2][2]{{vec2<T>{T(0)}, vec2<T>{T(0)}}, {vec2<T>{T(0)}, vec2<T>{T(0)}}};
     int patches[2][2]{};
     for (int dj = -1; dj <= 1; ++dj) {
         for (int di = -1; di <= 1; ++di) {

@@ -18,8 +18,8 @@ namespace hfh {
 /// is: a hole at the rim goes on outwards as a gap of its own width. Holes inside stay what they are. A field without
 /// cells stays without.
 ///
-/// Costs a comparison with the field's range a patch. Knows no bounds over blocks, so long sweeps through free space
-/// take every cell. Keeps a pointer to the field, which must outlive it; does not throw, does not allocate.
+/// Costs a comparison with the field's range a patch. A sweep through free space takes every cell beyond the rim as
+/// well. Keeps a pointer to the field, which must outlive it; does not throw, does not allocate.
 template <HeightField Field>
 class LevelBeyond {
 public:
