@@ -4,6 +4,7 @@
 #include <hfh/contact.hpp>
 #include <hfh/height_field.hpp>
 
+#include <glm/ext/vector_bool2.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -37,6 +38,28 @@ struct ConeView {
                  (patch.p00 - stylus.z) + u * (patch.p10 - patch.p00) + v * patch.slope_v(u)},
           normal{patch.normal(u, v)} {}
 
+    /// In a crease, where the slope along x is anything from low.x to high.x and that along y from low.y to high.y:
+    /// takes the normal that is nearest to the offset.
+    ///
+    /// With t fixed, (A + B s)/√(C + s²), the cosine but for |offset|, with A = z − y t, B = −x, C = 1 + t², is
+    /// greatest at s = B C/A if A > 0, else at the end of B's sign. Along x and y in turn that leads to the greatest,
+    /// for where it is positive the cosine has no other maximum; the first guess is exact for an offset within.
+    void lean(const vec2<T>& low, const vec2<T>& high, bool from_below) noexcept {
+        const vec3<T> o = from_below ? -offset : offset;
+        const auto best = [](T a, T b, T c, T least, T most) {
+            return a > 0 ? std::clamp(b * c / a, least, most) : b > 0 ? most : least;
+        };
+        vec2<T> s{best(o.z, -o.x, T(1), low.x, high.x), best(o.z, -o.y, T(1), low.y, high.y)};
+        for (int turn = 0; turn < 8; ++turn) {
+            const vec2<T> last = s;
+            s.x = best(o.z - o.y * s.y, -o.x, T(1) + s.y * s.y, low.x, high.x);
+            s.y = best(o.z - o.x * s.x, -o.y, T(1) + s.x * s.x, low.y, high.y);
+            if (s == last) break;
+        }
+        const vec3<T> leaning = glm::normalize(vec3<T>{-s, T(1)});
+        if (is_finite(leaning)) normal = leaning;
+    }
+
     /// How far the stylus is outside the cone of slope `coefficient` that hangs from the point on its other side:
     ///
     ///     |offset × n| − coefficient·(offset·n)                                                   metres
@@ -63,6 +86,10 @@ struct ConeView {
 /// has, where only the frictionless force is left. While it slips the dynamic coefficient goes on to hold, until the
 /// stylus is found inside its cone. So a hand at rest feels no drift and one that slides feels
 /// |tangential force| = sliding·(normal force).
+///
+/// Where patches meet, on an edge or a vertex, every normal between theirs is the ground's, so a cone hangs from
+/// each: in a valley only the part along the valley is tangential, and it slips at the same angle however steep the
+/// sides are; in a pit nothing is. A way to a proxy in a valley therefore first follows the face down into it.
 ///
 /// First contact sets the anchor to the proxy, release clears it, bad_input leaves it alone. It is also set to the
 /// proxy (no hold for this update) where the way to it leads over a hole or the rim, is longer than max_cells cells,
@@ -126,18 +153,91 @@ private:
         if (!patch) return false;
         const T coefficient =
             state_.slipping ? coefficients_.sliding : std::max(coefficients_.at_rest, coefficients_.sliding);
-        return detail::ConeView<T>{*patch, field.lattice().locate(stylus, cell), u, v}.outside(
-                   coefficient, from_below()) <= 0;
+        return view(field, *patch, field.lattice().locate(stylus, cell), {cell, u, v}, {true, true})
+                   .outside(coefficient, from_below()) <= 0;
     }
 
-    /// The first point from the anchor to `to` that holds the stylus, or `to`. Walks cell by cell.
+    /// The cone at a point of a patch. On a side of the cell that counts as a crease, across x or across y, the
+    /// neighbour's normal is the ground's as well, and all between the two.
+    template <HeightField Field>
+    [[nodiscard]] detail::ConeView<T> view(const Field& field, const BilinearPatch<T>& patch,
+                                           const CellPoint<T>& stylus, const SurfacePoint<T>& at,
+                                           const glm::bvec2& creases) const noexcept {
+        detail::ConeView<T> cone{patch, stylus, at.u, at.v};
+        const bool across_x = creases.x && !(at.u > 0 && at.u < 1);
+        const bool across_y = creases.y && !(at.v > 0 && at.v < 1);
+        if (!across_x && !across_y) return cone;
+        vec2<T> low{patch.slope_u(at.v) / patch.spacing.x, patch.slope_v(at.u) / patch.spacing.y};
+        vec2<T> high = low;
+        if (across_x) {
+            if (const auto beside = field.patch({at.cell.i + (at.u > 0 ? 1 : -1), at.cell.j})) {
+                const T slope = beside->slope_u(at.v) / patch.spacing.x;
+                low.x = std::min(low.x, slope), high.x = std::max(high.x, slope);
+            }
+        }
+        if (across_y) {
+            if (const auto beside = field.patch({at.cell.i, at.cell.j + (at.v > 0 ? 1 : -1)})) {
+                const T slope = beside->slope_v(at.u) / patch.spacing.y;
+                low.y = std::min(low.y, slope), high.y = std::max(high.y, slope);
+            }
+        }
+        if (low != high) cone.lean(low, high, from_below());
+        return cone;
+    }
+
+    /// The first point that holds the stylus on the way from the anchor to `to`, or `to`.
     template <HeightField Field>
     [[nodiscard]] SurfacePoint<T> slip(const Field& field, const SurfacePoint<T>& to,
                                        const vec3<T>& stylus) const noexcept {
+        int cells = max_cells_;
         SurfacePoint<T> at = state_.anchor;
-        for (int cells = 0; cells < max_cells_; ++cells) {
+        const SurfacePoint<T> corner = meets_crease(field, to, stylus);
+        if (walk(field, corner, stylus, at, cells) || walk(field, to, stylus, at = corner, cells)) return at;
+        return to;
+    }
+
+    /// Where the way bends: `to` if that is within a cell. If it is on a crease, the anchor is drawn down the face that
+    /// it is on, to where the stylus has its foot on the plane of that, and meets the crease between the point
+    /// beside the anchor and `to`.
+    template <HeightField Field>
+    [[nodiscard]] SurfacePoint<T> meets_crease(const Field& field, const SurfacePoint<T>& to,
+                                               const vec3<T>& stylus) const noexcept {
+        const SurfacePoint<T>& from = state_.anchor;
+        const bool on_x = !(to.u > 0 && to.u < 1), on_y = !(to.v > 0 && to.v < 1);
+        if (!on_x && !on_y) return to;
+        const auto patch = field.patch(from.cell);
+        if (!patch) return to;
+        const detail::ConeView<T> cone{*patch, field.lattice().locate(stylus, from.cell), from.u, from.v};
+        const vec3<T> drawn = glm::dot(cone.offset, cone.normal) * cone.normal - cone.offset;
+        if (!is_finite(drawn)) return to;
+        const vec2<T> by{drawn.x / patch->spacing.x, drawn.y / patch->spacing.y}; // in cells
+        const vec2<T> way{static_cast<T>(to.cell.i - from.cell.i) + (to.u - from.u),
+                          static_cast<T>(to.cell.j - from.cell.j) + (to.v - from.v)};
+        const T never = std::numeric_limits<T>::max();
+        const T at_x = on_x && by.x * way.x > 0 ? way.x / by.x : never;
+        const T at_y = on_y && by.y * way.y > 0 ? way.y / by.y : never;
+        const auto between = [](T x, T end) {
+            return std::clamp(x, std::min(T(0), end), std::max(T(0), end));
+        };
+        SurfacePoint<T> corner = to;
+        if (at_x < never && at_x <= at_y) {
+            const T v = from.v + between(by.y * at_x, way.y), whole = std::floor(v);
+            corner = {{to.cell.i, from.cell.j + static_cast<Index>(whole)}, to.u, v - whole};
+        } else if (at_y < never) {
+            const T u = from.u + between(by.x * at_y, way.x), whole = std::floor(u);
+            corner = {{from.cell.i + static_cast<Index>(whole), to.cell.j}, u - whole, to.v};
+        }
+        return field.patch(corner.cell) ? corner : to;
+    }
+
+    /// Moves `at` straight to `to`, cell by cell, as far as the first point that holds the stylus. False if none does,
+    /// or if the way leads where there is no ground, or the cells are used up: then none are left.
+    template <HeightField Field>
+    [[nodiscard]] bool walk(const Field& field, const SurfacePoint<T>& to, const vec3<T>& stylus,
+                            SurfacePoint<T>& at, int& cells) const noexcept {
+        for (; cells > 0; --cells) {
             const auto patch = field.patch(at.cell);
-            if (!patch) return to;
+            if (!patch) break;
             // What is left of the way, in cells, and how much of it this cell has.
             const T du = static_cast<T>(to.cell.i - at.cell.i) + (to.u - at.u);
             const T dv = static_cast<T>(to.cell.j - at.cell.j) + (to.v - at.v);
@@ -145,28 +245,37 @@ private:
             const T part_v = dv > 0 ? (T(1) - at.v) / dv : dv < 0 ? at.v / -dv : T(2);
             const bool last = at.cell == to.cell || std::min(part_u, part_v) >= 1;
             const T part = last ? T(1) : std::min(part_u, part_v);
-            if (search(*patch, field.lattice().locate(stylus, at.cell), {part * du, part * dv}, at))
-                return at;
-            if (last) return to;
+            if (search(field, *patch, field.lattice().locate(stylus, at.cell), {part * du, part * dv}, at))
+                return true;
+            if (last) {
+                --cells;
+                return false;
+            }
             at.u = std::clamp(at.u + part * du, T(0), T(1));
             at.v = std::clamp(at.v + part * dv, T(0), T(1));
             if (part == part_u) at.cell.i += du > 0 ? 1 : -1, at.u = du > 0 ? T(0) : T(1);
             if (part == part_v) at.cell.j += dv > 0 ? 1 : -1, at.v = dv > 0 ? T(0) : T(1);
         }
-        return to;
+        cells = 0;
+        return false;
     }
 
     /// Moves `at` to the first point of the way at → at + way, in one cell, that has the stylus inside the dynamic
-    /// cone. False, and `at` as it was, if there is none.
-    [[nodiscard]] bool search(const BilinearPatch<T>& patch, const CellPoint<T>& stylus, const vec2<T>& way,
-                              SurfacePoint<T>& at) const noexcept {
+    /// cone. False, and `at` as it was, if there is none. A crease counts at the start and on a way along it; one at
+    /// the end is the next cell's.
+    template <HeightField Field>
+    [[nodiscard]] bool search(const Field& field, const BilinearPatch<T>& patch, const CellPoint<T>& stylus,
+                              const vec2<T>& way, SurfacePoint<T>& at) const noexcept {
         const auto u_at = [&](T s) { return std::clamp(at.u + s * way.x, T(0), T(1)); };
         const auto v_at = [&](T s) { return std::clamp(at.v + s * way.y, T(0), T(1)); };
-        const auto view = [&](T s) { return detail::ConeView<T>{patch, stylus, u_at(s), v_at(s)}; };
+        const auto view_at = [&](T s) {
+            return view(field, patch, stylus, {at.cell, u_at(s), v_at(s)},
+                        {!(s > 0) || way.x == 0, !(s > 0) || way.y == 0});
+        };
         const auto outside = [&](const detail::ConeView<T>& cone) {
             return cone.outside(coefficients_.sliding, from_below());
         };
-        const auto start = view(T(0)), end = view(T(1));
+        const auto start = view_at(T(0)), end = view_at(T(1));
         const T f_low = outside(start);
         T low = 0, high = 1, f_high = outside(end);
         if (f_low <= 0) return true;
@@ -174,7 +283,7 @@ private:
             const vec3<T> chord = end.offset - start.offset;
             const T square = glm::dot(chord, chord);
             high = square > 0 ? std::clamp(-glm::dot(start.offset, chord) / square, T(0), T(1)) : T(0);
-            f_high = outside(view(high));
+            f_high = outside(view_at(high));
             if (f_high > 0) return false;
         }
         // Regula falsi in the form of Illinois: on a plane, straight towards the foot, `outside` is linear.
@@ -187,7 +296,7 @@ private:
             const T guess = low + (high - low) * (weight_low / (weight_low - weight_high));
             const T middle = std::clamp(guess, low + finest, std::max(low + finest, high - finest));
             if (!(middle < high)) break;
-            const T f = outside(view(middle));
+            const T f = outside(view_at(middle));
             if (f > 0) {
                 low = middle, weight_low = f;
                 if (moved < 0) weight_high /= 2;
