@@ -16,7 +16,7 @@ set(order
     force_evaluator
     hfh
     device
-    damping force_shading friction level_beyond raised_field)
+    damping force_shading friction_cone friction level_beyond raised_field)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

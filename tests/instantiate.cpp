@@ -5,6 +5,7 @@
 #include <hfh/damping.hpp>
 #include <hfh/force_shading.hpp>
 #include <hfh/friction.hpp>
+#include <hfh/friction_cone.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/level_beyond.hpp>
 #include <hfh/raised_field.hpp>
@@ -25,6 +26,8 @@ template struct ForceEvaluator<float>;
 template struct ForceEvaluator<double>;
 template struct Damping<float>;
 template struct Damping<double>;
+template struct FrictionCone<float>;
+template struct FrictionCone<double>;
 template class Friction<float>;
 template class Friction<double>;
 template class VelocityFilter<float>;

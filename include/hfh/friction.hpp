@@ -2,9 +2,8 @@
 #define HFH_FRICTION_HPP
 
 #include <hfh/contact.hpp>
-#include <hfh/height_field.hpp>
+#include <hfh/friction_cone.hpp>
 
-#include <glm/ext/vector_bool2.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -24,55 +23,6 @@ struct FrictionState {
     Side side = Side::none; ///< touching: the side that is felt; else none
     bool slipping = false;  ///< the anchor moved in the last update
 };
-
-namespace detail {
-
-/// Surface point − stylus, and the upward normal there, neither rounded to world coordinates.
-template <Real T>
-struct ConeView {
-    vec3<T> offset;
-    vec3<T> normal;
-
-    ConeView(const BilinearPatch<T>& patch, const CellPoint<T>& stylus, T u, T v) noexcept
-        : offset{patch.spacing.x * (u - stylus.u), patch.spacing.y * (v - stylus.v),
-                 (patch.p00 - stylus.z) + u * (patch.p10 - patch.p00) + v * patch.slope_v(u)},
-          normal{patch.normal(u, v)} {}
-
-    /// In a crease, where the slope along x is anything from low.x to high.x and that along y from low.y to high.y:
-    /// takes the normal that is nearest to the offset.
-    ///
-    /// With t fixed, (A + B s)/√(C + s²), the cosine but for |offset|, with A = z − y t, B = −x, C = 1 + t², is
-    /// greatest at s = B C/A if A > 0, else at the end of B's sign. Along x and y in turn that leads to the greatest,
-    /// for where it is positive the cosine has no other maximum; the first guess is exact for an offset within.
-    void lean(const vec2<T>& low, const vec2<T>& high, bool from_below) noexcept {
-        const vec3<T> o = from_below ? -offset : offset;
-        const auto best = [](T a, T b, T c, T least, T most) {
-            return a > 0 ? std::clamp(b * c / a, least, most) : b > 0 ? most : least;
-        };
-        vec2<T> s{best(o.z, -o.x, T(1), low.x, high.x), best(o.z, -o.y, T(1), low.y, high.y)};
-        for (int turn = 0; turn < 8; ++turn) {
-            const vec2<T> last = s;
-            s.x = best(o.z - o.y * s.y, -o.x, T(1) + s.y * s.y, low.x, high.x);
-            s.y = best(o.z - o.x * s.x, -o.y, T(1) + s.x * s.x, low.y, high.y);
-            if (s == last) break;
-        }
-        const vec3<T> leaning = glm::normalize(vec3<T>{-s, T(1)});
-        if (is_finite(leaning)) normal = leaning;
-    }
-
-    /// How far the stylus is outside the cone of slope `coefficient` that hangs from the point on its other side:
-    ///
-    ///     |offset × n| − coefficient·(offset·n)                                                   metres
-    ///
-    /// ≤ 0 inside. A stylus on the wrong side of the tangent plane is outside.
-    [[nodiscard]] T outside(T coefficient, bool from_below) const noexcept {
-        const T pressed = glm::dot(offset, from_below ? -normal : normal);
-        const T across = glm::length(glm::cross(offset, normal));
-        return across - (pressed > 0 ? coefficient : T(1)) * pressed;
-    }
-};
-
-} // namespace detail
 
 /// Coulomb friction: holds the proxy of a contact back inside the friction cone.
 ///
@@ -144,45 +94,14 @@ public:
     constexpr void restore(const State& state) noexcept { state_ = state; }
 
 private:
-    [[nodiscard]] bool from_below() const noexcept { return state_.side == Side::below; }
-
     template <HeightField Field>
     [[nodiscard]] bool stays(const Field& field, const vec3<T>& stylus) const noexcept {
-        const auto& [cell, u, v] = state_.anchor;
-        const auto patch = field.patch(cell);
+        const auto patch = field.patch(state_.anchor.cell);
         if (!patch) return false;
         const T coefficient =
             state_.slipping ? coefficients_.sliding : std::max(coefficients_.at_rest, coefficients_.sliding);
-        return view(field, *patch, field.lattice().locate(stylus, cell), {cell, u, v}, {true, true})
-                   .outside(coefficient, from_below()) <= 0;
-    }
-
-    /// The cone at a point of a patch. On a side of the cell that counts as a crease, across x or across y, the
-    /// neighbour's normal is the ground's as well, and all between the two.
-    template <HeightField Field>
-    [[nodiscard]] detail::ConeView<T> view(const Field& field, const BilinearPatch<T>& patch,
-                                           const CellPoint<T>& stylus, const SurfacePoint<T>& at,
-                                           const glm::bvec2& creases) const noexcept {
-        detail::ConeView<T> cone{patch, stylus, at.u, at.v};
-        const bool across_x = creases.x && !(at.u > 0 && at.u < 1);
-        const bool across_y = creases.y && !(at.v > 0 && at.v < 1);
-        if (!across_x && !across_y) return cone;
-        vec2<T> low{patch.slope_u(at.v) / patch.spacing.x, patch.slope_v(at.u) / patch.spacing.y};
-        vec2<T> high = low;
-        if (across_x) {
-            if (const auto beside = field.patch({at.cell.i + (at.u > 0 ? 1 : -1), at.cell.j})) {
-                const T slope = beside->slope_u(at.v) / patch.spacing.x;
-                low.x = std::min(low.x, slope), high.x = std::max(high.x, slope);
-            }
-        }
-        if (across_y) {
-            if (const auto beside = field.patch({at.cell.i, at.cell.j + (at.v > 0 ? 1 : -1)})) {
-                const T slope = beside->slope_v(at.u) / patch.spacing.y;
-                low.y = std::min(low.y, slope), high.y = std::max(high.y, slope);
-            }
-        }
-        if (low != high) cone.lean(low, high, from_below());
-        return cone;
+        const CellPoint<T> below = field.lattice().locate(stylus, state_.anchor.cell);
+        return friction_cone(field, *patch, below, state_.anchor, state_.side).outside(coefficient) <= 0;
     }
 
     /// The first point that holds the stylus on the way from the anchor to `to`, or `to`.
@@ -207,7 +126,7 @@ private:
         if (!on_x && !on_y) return to;
         const auto patch = field.patch(from.cell);
         if (!patch) return to;
-        const detail::ConeView<T> cone{*patch, field.lattice().locate(stylus, from.cell), from.u, from.v};
+        const FrictionCone<T> cone{*patch, field.lattice().locate(stylus, from.cell), from.u, from.v};
         const vec3<T> drawn = glm::dot(cone.offset, cone.normal) * cone.normal - cone.offset;
         if (!is_finite(drawn)) return to;
         const vec2<T> by{drawn.x / patch->spacing.x, drawn.y / patch->spacing.y}; // in cells
@@ -269,12 +188,10 @@ private:
         const auto u_at = [&](T s) { return std::clamp(at.u + s * way.x, T(0), T(1)); };
         const auto v_at = [&](T s) { return std::clamp(at.v + s * way.y, T(0), T(1)); };
         const auto view_at = [&](T s) {
-            return view(field, patch, stylus, {at.cell, u_at(s), v_at(s)},
-                        {!(s > 0) || way.x == 0, !(s > 0) || way.y == 0});
+            return friction_cone(field, patch, stylus, {at.cell, u_at(s), v_at(s)}, state_.side,
+                                 {!(s > 0) || way.x == 0, !(s > 0) || way.y == 0});
         };
-        const auto outside = [&](const detail::ConeView<T>& cone) {
-            return cone.outside(coefficients_.sliding, from_below());
-        };
+        const auto outside = [&](const FrictionCone<T>& cone) { return cone.outside(coefficients_.sliding); };
         const auto start = view_at(T(0)), end = view_at(T(1));
         const T f_low = outside(start);
         T low = 0, high = 1, f_high = outside(end);
@@ -319,8 +236,8 @@ private:
         if (a.cell == q.cell && a.u == q.u && a.v == q.v) return contact;
         const auto patch_a = field.patch(a.cell), patch_q = field.patch(q.cell);
         if (!patch_a || !patch_q) return contact;
-        const detail::ConeView<T> anchor{*patch_a, field.lattice().locate(stylus, a.cell), a.u, a.v};
-        const detail::ConeView<T> proxy{*patch_q, field.lattice().locate(stylus, q.cell), q.u, q.v};
+        const FrictionCone<T> anchor{*patch_a, field.lattice().locate(stylus, a.cell), a.u, a.v};
+        const FrictionCone<T> proxy{*patch_q, field.lattice().locate(stylus, q.cell), q.u, q.v};
         Contact<T> back = contact;
         back.point = a;
         back.proxy = stylus + anchor.offset;
