@@ -1,13 +1,14 @@
 // Ground that gives way: a stylus presses, and where it pushes harder than the ground can bear the ground sinks; then a
 // brush raises ground under a hand that rests on it. The samples are edited between updates, nothing is rebuilt, nobody
-// tells the tracker. Prints what is felt, and how far the force moved in one update against what the edit and the hand
-// moved.
+// tells the tracker. Draws the force over time and the ground before and after, and says how far the force moved in
+// one update against what the edit and the hand moved.
 
 #include <hfh/hfh.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 namespace {
@@ -46,6 +47,14 @@ public:
         }
     }
 
+    /// Heights along y = 0.04, in mm.
+    [[nodiscard]] std::vector<double> profile() const {
+        std::vector<double> line;
+        for (int i = 0; i < columns; ++i)
+            line.push_back(1000 * heights_[static_cast<std::size_t>(i + 20 * columns)]);
+        return line;
+    }
+
 private:
     [[nodiscard]] double& at(int i, int j) { return heights_[static_cast<std::size_t>(i + j * columns)]; }
 
@@ -60,6 +69,32 @@ hfh::vec3<double> hand(int ms) {
     return {0.04 + 0.06 * drag, 0.04, 0.036 - 0.012 * press + 0.003 * lift};
 }
 
+/// What the hand does at a time, in words.
+const char* doing(int ms) {
+    return ms < 200    ? "waits"
+           : ms < 1000 ? "presses down"
+           : ms < 1200 ? "holds"
+           : ms < 2200 ? "drags"
+           : ms < 2400 ? "holds"
+           : ms < 2600 ? "lifts"
+           : ms < 3000 ? "rests"
+           : ms < 3400 ? "rests; a brush heaps up"
+                       : "rests";
+}
+
+/// A cross-section, drawn with '.' for ground that was dug away, '+' for ground that was heaped up and '#' for the rest.
+void draw(const std::vector<double>& before, const std::vector<double>& after) {
+    for (int mm = 35; mm >= 22; --mm) {
+        std::printf("%5d mm  ", mm);
+        for (int i = 0; i < columns; ++i) {
+            const bool was = before[static_cast<std::size_t>(i)] >= mm,
+                       is = after[static_cast<std::size_t>(i)] >= mm;
+            std::putchar(was && is ? '#' : was ? '.' : is ? '+' : ' ');
+        }
+        std::putchar('\n');
+    }
+}
+
 } // namespace
 
 int main() {
@@ -68,7 +103,8 @@ int main() {
     hfh::ProxyTracker tracker{grid};
     const hfh::ForceEvaluator<double> force{.stiffness = stiffness, .max_force = 3.3};
 
-    std::printf("   ms   hand x    hand z   ground z    force N   pressed in and heaped up, mm in all\n");
+    const auto before = ground.profile();
+    std::printf("   ms   hand x  hand z  force\n            mm      mm      N\n");
     auto last_hand = hand(0), last_force = hfh::vec3<double>{0.0};
     double dug = 0, raised = 0, edit = 0, strongest = 0, largest_step = 0, largest_share = 0;
     for (int ms = 0; ms <= 4000; ++ms) {
@@ -83,9 +119,9 @@ int main() {
         if (step > 1e-9) largest_share = std::max(largest_share, step / allowed);
         strongest = std::max(strongest, glm::length(felt));
         if (ms % 200 == 0) {
-            std::printf("%5d   %6.4f   %7.4f    %7.4f    %7.3f   -%.1f +%.1f\n", ms, at.x, at.z,
-                        contact.touching() ? contact.proxy.z : 0.0, glm::length(felt), 1000 * dug,
-                        1000 * raised);
+            std::printf(
+                "%5d   %6.1f  %6.1f  %5.2f  %-25s %s\n", ms, 1000 * at.x, 1000 * at.z, glm::length(felt),
+                std::string(static_cast<std::size_t>(10 * glm::length(felt) + 0.5), '=').c_str(), doing(ms));
         }
         last_force = felt;
         last_hand = at;
@@ -103,9 +139,11 @@ int main() {
             raised += edit;
         }
     }
-    std::printf(
-        "\nstrongest force %.2f N; largest step in one update %.4f N, at most %.2f of stiffness times "
-        "(edit + motion)\n",
-        strongest, largest_step, largest_share);
+    std::printf("\nThe ground along the stroke, from x = 0 to 160 mm: . dug away, + heaped up\n\n");
+    draw(before, ground.profile());
+    std::printf("\nStrongest force %.2f N. In one update it moved by %.3f N at most, and never by more than "
+                "%.2f times\n"
+                "what a spring of %.0f N/m does for the way that ground and hand moved: no kick.\n",
+                strongest, largest_step, largest_share, stiffness);
     return largest_share <= 1.01 && dug > 0 && raised > 0 ? 0 : 1;
 }
