@@ -102,6 +102,43 @@ TEMPLATE_TEST_CASE(
     }
 }
 
+TEMPLATE_TEST_CASE(
+    "edits: a brush that raises ground under a resting hand moves the force no more than it may",
+    "[edits][law]", float, double) {
+    using T = TestType;
+    // Raised ground is convex. What an edit adds to the slope of a patch turns its plane about the foot, and that moves
+    // the foot by depth · change of slope besides what the ground was lifted; the slopes on both sides of a crest
+    // part, so by twice that where the foot of a face that was flat is a crest. The hand is touched from a depth of 0.
+    for (const auto& [x, y] : {std::pair{20.0, 20.0}, {20.0, 20.5}, {20.25, 19.75}, {22.5, 21.0}}) {
+        for (const double radius : {4.0, 12.0}) {
+            auto ground = plane<T>(41, 41);
+            const auto grid = ground.grid();
+            ProxyTracker tracker{grid};
+            const ForceEvaluator<T> force{.stiffness = T(100)};
+            const vec3<T> at{static_cast<T>(x), static_cast<T>(y), T(0)};
+            static_cast<void>(tracker.update({at.x, at.y, T(1)}));
+            static_cast<void>(tracker.update(at));
+            vec3<T> before{T(0)};
+            double depth = 0, worst = 0;
+            for (int n = 0; n < 400; ++n) {
+                const double by = 0.002;
+                const double lifted = stamp(ground, 20, 20, radius, by);
+                const auto contact = tracker.update(at);
+                const vec3<T> now = force(contact).newtons;
+                REQUIRE(contact.touching());
+                // d/ds of (1 − s²/r²)² is at most 1.54/r.
+                const double turned = by * 1.54 / radius;
+                const double allowed = 100 * (lifted + 2 * std::sqrt(2.0) * turned * depth);
+                worst = std::max(worst, double(glm::length(now - before)) / allowed);
+                before = now, depth = double(contact.depth);
+            }
+            CAPTURE(x, y, radius, worst);
+            CHECK(worst <= 1.01 + 1000 * double(epsilon<T>));
+            CHECK(double(before.z) > 20);
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("edits: vertices and cells around a resting stylus, edited at random", "[edits][law]",
                    float, double) {
     using T = TestType;

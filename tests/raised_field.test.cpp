@@ -5,6 +5,7 @@
 #include <hfh/proxy_tracker.hpp>
 #include <hfh/raised_field.hpp>
 
+#include <cstdio>
 #include <type_traits>
 #include <utility>
 
@@ -249,6 +250,25 @@ TEMPLATE_TEST_CASE("RaisedField: a finer lattice brings it near the true offset 
             CHECK(most.above <= 0.5 * turn / n + 2e-3);
         }
     }
+}
+
+// Hidden; prints the table that the header quotes: hfh_tests "[tip_error]"
+TEST_CASE("RaisedField: how far it is from the true offset surface", "[.][tip_error]") {
+    const Terrain<double> grounds[] = {tilted_plane<double>(24, 24, 0.5, 0.25), valley<double>(24, 24, 0.5),
+                                       ridge<double>(24, 24, 0.5), rough_in_steps<double>(24, 24, 0.5, 107),
+                                       rough_in_steps<double>(24, 24, 2, 107)};
+    const char* const names[] = {"plane", "valley", "ridge", "random, half a cell", "random, two cells"};
+    std::printf("tip of one cell, 200 points, in cells: too high / too low\n%-22s", "");
+    for (const int n : {1, 2, 4, 8}) std::printf("  n = %d          ", n);
+    for (std::size_t k = 0; k < std::size(grounds); ++k) {
+        std::printf("\n%-22s", names[k]);
+        for (const int n : {1, 2, 4, 8}) {
+            const Off most = off(grounds[k], 1.0, n, 200, 64);
+            std::printf("  %.4f / %.4f", most.above, most.below);
+        }
+    }
+    std::printf("\n");
+    CHECK(true);
 }
 
 TEMPLATE_TEST_CASE("RaisedField: the tracker keeps its promise: a tip that was outside is never free below",
