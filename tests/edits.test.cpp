@@ -67,7 +67,8 @@ TEMPLATE_TEST_CASE(
     // The stylus digs where it is, at a vertex, on an edge, within a cell. A pit has valleys at its edges, and the
     // penetration is continuous over those; on the wall of the pit the ground is convex, by the second derivative of
     // the stamp, and the force may move by that much of the depth more.
-    for (const auto& [x, y] : {std::pair{10.0, 10.0}, {10.0, 9.5}, {10.25, 9.75}}) {
+    for (const auto& where : {glm::dvec2{10, 10}, {10, 9.5}, {10.25, 9.75}}) {
+        const double x = where.x, y = where.y;
         auto ground = plane<T>(21, 21);
         const auto grid = ground.grid();
         ProxyTracker tracker{grid};

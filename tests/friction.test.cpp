@@ -167,7 +167,8 @@ TEMPLATE_TEST_CASE("Friction: a hand that slides feels the dynamic coefficient t
                     ++slipping;
                     // The roundings of the heights, of some 100 m on the steepest plane, count against the depth.
                     const Wide eps = static_cast<Wide>(epsilon<T>),
-                               blur = 64 * eps * (1 + std::hypot(slope.along_x, slope.along_y));
+                               blur = 64 * eps *
+                                      (1 + static_cast<Wide>(std::hypot(slope.along_x, slope.along_y)));
                     const Point n_up = wide(vec3<double>{slope.normal()});
                     const Point newtons = wide(force(contact).newtons);
                     const Wide out = dot(newtons, n_up), across = length(cross(newtons, n_up));

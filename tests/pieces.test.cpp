@@ -84,7 +84,8 @@ TEMPLATE_TEST_CASE("pieces: on level ground with a still hand they change nothin
     const auto ground = plane<T>(9, 9, 0.5);
     const auto grid = ground.grid();
     const LevelBeyond field{grid};
-    ProxyTracker tracker{field}, plain{grid};
+    ProxyTracker tracker{field};
+    ProxyTracker plain{grid};
     Friction<T> friction{};
     VelocityFilter<T> velocity{};
     const Damping<T> damping{T(2), T(1)};
