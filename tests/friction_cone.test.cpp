@@ -52,6 +52,24 @@ TEMPLATE_TEST_CASE("friction_cone: within a cell it is that of the patch's norma
     }
 }
 
+TEMPLATE_TEST_CASE("friction_cone: a stylus in front of the surface is outside, whatever the coefficient",
+                   "[friction_cone]", float, double) {
+    using T = TestType;
+    const auto ground = plane<T>(3, 3);
+    const auto grid = ground.grid();
+    const auto patch = *grid.patch({0, 0});
+    for (const T coefficient : {T(0), T(0.5)}) {
+        for (const auto side : {Side::above, Side::below}) {
+            const auto outside = [&](T z) {
+                return FrictionCone<T>{patch, {T(0.5), T(0.5), z}, T(0.5), T(0.5), side}.outside(coefficient);
+            };
+            const T front = side == Side::above ? T(1) : T(-1);
+            CHECK(outside(front) == 1); // as far as it is in front
+            CHECK(outside(-front) == -coefficient);
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("friction_cone: in a crease it takes the nearest of all normals between, by search",
                    "[friction_cone][law]", float, double) {
     using T = TestType;
