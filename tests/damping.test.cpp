@@ -20,7 +20,7 @@ vec3<T> random_vector(Random& random, double size) {
             static_cast<T>(random.between(-size, size))};
 }
 
-/// A contact that pushes out along its normal, tilted a little as at a crease or by friction.
+/// A contact that pushes out along its normal, tilted as at a crease or by friction; at a bad crease, against it.
 template <Real T>
 Contact<T> random_contact(Random& random) {
     Contact<T> c;
@@ -29,7 +29,7 @@ Contact<T> random_contact(Random& random) {
     const vec3<T> n = random_vector<T>(random, 1) + vec3<T>{T(0), T(0), T(1.5)};
     c.normal = n / glm::length(n);
     const T depth = static_cast<T>(std::pow(10.0, random.between(-6, -2)));
-    c.penetration = depth * (c.normal + random_vector<T>(random, 0.3));
+    c.penetration = depth * (c.normal + random_vector<T>(random, random.one_in(4) ? 3.0 : 0.3));
     c.depth = glm::length(c.penetration);
     return c;
 }

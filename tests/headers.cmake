@@ -16,12 +16,10 @@ set(order
     force_evaluator
     hfh
     device
-    damping force_shading level_beyond
-    workspace force_guard latest_value
+    damping force_shading friction_cone friction level_beyond raised_field
     height_bounds
-    moving_mass
-    simulated_device
-    energy_tank)
+    workspace force_guard latest_value
+    moving_mass simulated_device energy_tank)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

@@ -6,10 +6,13 @@
 #include <hfh/energy_tank.hpp>
 #include <hfh/force_guard.hpp>
 #include <hfh/force_shading.hpp>
+#include <hfh/friction.hpp>
+#include <hfh/friction_cone.hpp>
 #include <hfh/height_bounds.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/latest_value.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/raised_field.hpp>
 #include <hfh/simulated_device.hpp>
 #include <hfh/workspace.hpp>
 
@@ -29,6 +32,10 @@ template struct ForceEvaluator<float>;
 template struct ForceEvaluator<double>;
 template struct Damping<float>;
 template struct Damping<double>;
+template struct FrictionCone<float>;
+template struct FrictionCone<double>;
+template class Friction<float>;
+template class Friction<double>;
 template class VelocityFilter<float>;
 template class VelocityFilter<double>;
 template struct NewtonResult<float>;
@@ -55,6 +62,8 @@ template class LatestValue<DeviceSample>;
     template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
     template class LevelBeyond<BilinearGrid<float, HeightView<S>>>;                                          \
     template class LevelBeyond<BilinearGrid<double, HeightView<S>>>;                                         \
+    template class RaisedField<BilinearGrid<float, HeightView<S>>>;                                          \
+    template class RaisedField<BilinearGrid<double, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
@@ -121,8 +130,11 @@ template <Real T, Sample S>
     const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
     const auto contact = tracker.update({T(1), T(1), T(300)});
     const LevelBeyond level{holed_grid};
-    ProxyTracker level_tracker{level};
-    const auto shaded = shade_force(level, level_tracker.update({T(1), T(1), T(1)}));
+    const RaisedField raised{level, T(1), 2};
+    ProxyTracker level_tracker{raised};
+    const vec3<T> stylus{T(1), T(1), T(1)};
+    Friction<T> friction{};
+    const auto shaded = friction.hold(raised, shade_force(raised, level_tracker.update(stylus)), stylus);
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
            nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == BoundsStatus::ok &&
