@@ -130,7 +130,8 @@ template <class Heights>
 
         if (contact.touching() || contact.status == hfh::ContactStatus::free) {
             z = contact.proxy.z - 0.5 * cell.x;
-        } else if (contact.status == hfh::ContactStatus::buried) { // came in from a hole: up, to come down from outside
+        } else if (contact.status ==
+                   hfh::ContactStatus::buried) { // came in from a hole: up, to come down from outside
             z += 2 * cell.x;
         }
     }
