@@ -24,6 +24,10 @@ void make_cold(const std::filesystem::path& file, std::span<const std::byte> byt
     ::close(descriptor);
 }
 
+void read_single_pages(std::span<const std::byte> bytes) noexcept {
+    ::madvise(const_cast<std::byte*>(bytes.data()), bytes.size(), MADV_RANDOM);
+}
+
 Pages pages_resident(std::span<const std::byte> bytes) {
     const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
     std::vector<unsigned char> in_memory((bytes.size() + page - 1) / page);

@@ -13,6 +13,10 @@ namespace large_terrain {
 /// been written to the disk yet, stays: ask `pages_resident`.
 void make_cold(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
+/// From now on a page of the mapping that is missing is read alone. Without this the kernel reads what lies around it as
+/// well, 128 KiB or many times that, as the disk is set up.
+void read_single_pages(std::span<const std::byte> bytes) noexcept;
+
 struct Pages {
     std::size_t resident = 0; ///< in memory, whoever brought them there
     std::size_t all = 0;

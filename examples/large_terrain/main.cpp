@@ -1,13 +1,13 @@
 #include "cold_cache.hpp"
-#include "session.hpp"
+#include "command_line.hpp"
+#include "real_time_loop.hpp"
 
 #include <bad_input.hpp>
 #include <memory_map.hpp>
 #include <numbers.hpp>
 #include <terrain.hpp>
 
-#include <CLI/CLI.hpp>
-
+#include <cctype>
 #include <cstdio>
 #include <exception>
 #include <optional>
@@ -24,6 +24,7 @@ struct Options {
     std::filesystem::path terrain;
     double seconds = 20;
     double speed = 1; ///< m/s
+    bool single_pages = false;
     ResidencySettings helper;
 };
 
@@ -33,34 +34,27 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
         "Touches a large terrain at 1 kHz from a cold cache, without and with a helper that keeps the "
         "neighbourhood of the stylus in memory. One cell of the terrain is one millimetre of the hand.",
         "large_terrain"};
+    std::string terrain, seconds, speed, look_ahead;
     Options options;
-    double look_ahead = 1000 * options.helper.look_ahead;
-    app.add_option("TERRAIN", options.terrain, "A .bil or .flt beside its .hdr; make_terrain makes one")
-        ->required();
-    app.add_option("--seconds", options.seconds, "How long each of the two runs takes. Default: 20")
-        ->type_name("S")
-        ->check(CLI::Range{0.01, 3600.0, "from 0.01 to 3600"});
-    app.add_option("--speed", options.speed,
-                   "Of the hand, metres a second. Default: 1, a thousand cells a second")
-        ->type_name("V")
-        ->check(CLI::Range{0.0, 10.0, "from 0 to 10"});
+    app.add_option("TERRAIN", terrain, "A .bil or .flt beside its .hdr; make_terrain makes one")->required();
+    app.add_option("--seconds", seconds, "How long each of the two runs takes. Default: 20")->type_name("S");
+    app.add_option("--speed", speed, "Of the hand, metres a second. Default: 1, a thousand cells a second")
+        ->type_name("V");
     app.add_option("--look-ahead", look_ahead,
                    "Of the helper, along the motion, in milliseconds. Default: 250")
-        ->type_name("MS")
-        ->check(CLI::Range{0.0, 10000.0, "from 0 to 10000"});
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::CallForHelp&) {
-        std::fputs(app.help().c_str(), stdout);
-        return std::nullopt;
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::ranges::replace(what, '\n', ' ');
-        throw demo::BadInput{"The command line cannot be read (see --help): " + what + "."};
-    }
-    options.helper.look_ahead = look_ahead / 1000;
+        ->type_name("MS");
+    app.add_flag("--single-pages", options.single_pages,
+                 "Keep the kernel from reading more than the page that is missing (madvise RANDOM)");
+    if (!read_command_line(app, argc, argv)) return std::nullopt;
+
+    options.terrain = terrain;
+    if (!seconds.empty()) options.seconds = number_from("--seconds", seconds, 0.01, 3600.0);
+    if (!speed.empty()) options.speed = number_from("--speed", speed, 0.0, 10.0);
+    if (!look_ahead.empty())
+        options.helper.look_ahead = number_from("--look-ahead", look_ahead, 0.0, 10000.0) / 1000;
 
     std::string kind = options.terrain.extension().string();
+    for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (kind != ".bil" && kind != ".flt") {
         throw demo::BadInput{
             options.terrain.string() + " ends in " + demo::shown(kind) +
@@ -87,8 +81,8 @@ Run run(const Heights& heights, const Session& session, const Options& options, 
     std::optional<Residency> helper;
     if (with_helper) {
         const glm::dvec2 at = Journey{heights.columns(), heights.rows(), session.cells_per_second}.at();
-        helper.emplace(layout_of(heights), options.helper);
-        helper->start({static_cast<hfh::Index>(at.x), static_cast<hfh::Index>(at.y)});
+        const hfh::Cell here{static_cast<hfh::Index>(at.x), static_cast<hfh::Index>(at.y)};
+        helper.emplace(layout_of(heights), here, options.helper);
     }
     // A thread of its own, because it may become a real-time one.
     std::thread haptic{
@@ -132,8 +126,9 @@ void print(const Run& without, const Run& with) {
                " %";
     });
     count("updates of 1 ms and more", [](const SessionReport& s) { return s.too_long; });
-    count("  that waited for the disk", [](const SessionReport& s) { return s.too_long_for_disk; });
-    count("  that the scheduler held up", [](const SessionReport& s) { return s.too_long_preempted; });
+    count("  because of the disk", [](const SessionReport& s) { return s.too_long_for_disk; });
+    count("  because of the scheduler", [](const SessionReport& s) { return s.too_long_preempted; });
+    count("updates that waited for the disk", [](const SessionReport& s) { return s.waited; });
     times("update, us: ", [](const SessionReport& s) -> const demo::Distribution& { return s.nanoseconds; });
     count("page faults that read the disk", [](const SessionReport& s) { return s.page_reads; });
     count("page faults that did not", [](const SessionReport& s) { return s.page_maps; });
@@ -155,8 +150,9 @@ void print(const Run& without, const Run& with) {
 
 /// 1 if the helper changed an answer, else 0: how many updates were too long is for the reader to judge.
 int touch(const Options& options) {
-    const demo::Terrain terrain = demo::read_raster(options.terrain);
+    const demo::Terrain terrain = demo::read_terrain(options.terrain);
     const auto& map = *static_cast<const demo::MemoryMap*>(terrain.storage.get()); // as read_raster makes it
+    if (options.single_pages) read_single_pages(map.bytes());
     const glm::dvec2 spacing = terrain.spacing.value_or(glm::dvec2{1.0});
     const double scale = 0.001 / spacing.x; // one cell is one millimetre
     const Session session{.frame = {.spacing = scale * spacing, .height_scale = scale},

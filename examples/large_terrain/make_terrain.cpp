@@ -1,11 +1,6 @@
+#include "command_line.hpp"
 #include "raster_maker.hpp"
 
-#include <bad_input.hpp>
-#include <numbers.hpp>
-
-#include <CLI/CLI.hpp>
-
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -16,28 +11,22 @@ namespace {
 void run(int argc, char** argv) {
     CLI::App app{"Makes ground of any size as an ESRI raster: a .bil of 16 bit integers, and its .hdr.",
                  "make_terrain"};
-    std::string file;
-    std::uint64_t columns = 32768, rows = 0, seed = 1;
-    const CLI::Range side{std::uint64_t{2}, std::uint64_t{0x7fff'ffff}, "from 2 to 2147483647"};
+    std::string file, columns_text, rows_text, seed_text;
     app.add_option("FILE.bil", file, "What to write; the .hdr goes beside it")->required();
-    app.add_option("--columns", columns, "Samples from west to east. Default: 32768")
-        ->type_name("N")
-        ->check(side);
-    app.add_option("--rows", rows, "Samples from north to south. Default: as many as columns")
-        ->type_name("N")
-        ->check(side);
-    app.add_option("--seed", seed, "Another number makes other ground. Default: 1")->type_name("N");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::CallForHelp&) {
-        std::fputs(app.help().c_str(), stdout);
-        return;
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::ranges::replace(what, '\n', ' ');
-        throw demo::BadInput{"The command line cannot be read (see --help): " + what + "."};
-    }
-    if (rows == 0) rows = columns;
+    app.add_option("--columns", columns_text, "Samples from west to east. Default: 32768")->type_name("N");
+    app.add_option("--rows", rows_text, "Samples from north to south. Default: as many as columns")
+        ->type_name("N");
+    app.add_option("--seed", seed_text, "Another number makes other ground. Default: 1")->type_name("N");
+    if (!large_terrain::read_command_line(app, argc, argv)) return;
+
+    const auto number = [](const char* option, const std::string& text, std::uint64_t least,
+                           std::uint64_t otherwise) {
+        constexpr std::uint64_t most = 0x7fff'ffff;
+        return text.empty() ? otherwise : large_terrain::number_from(option, text, least, most);
+    };
+    const std::uint64_t columns = number("--columns", columns_text, 2, 32768);
+    const std::uint64_t rows = number("--rows", rows_text, 2, columns);
+    const std::uint64_t seed = number("--seed", seed_text, 0, 1);
 
     const auto start = std::chrono::steady_clock::now();
     large_terrain::make_raster(file, columns, rows, seed);

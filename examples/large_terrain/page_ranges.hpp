@@ -13,7 +13,8 @@
 
 namespace large_terrain {
 
-/// Where samples lie: (i, j) at address first + i·column_bytes + j·row_bytes.
+/// Where samples lie: (i, j) at address first + i·column_bytes + j·row_bytes. Those of one row lie together: they are
+/// less than a page apart.
 struct SampleLayout {
     std::uintptr_t first = 0;
     hfh::Index columns = 0, rows = 0;
@@ -71,10 +72,11 @@ void for_each_page_range(const SampleLayout& layout, const SampleBox& box, hfh::
                          std::uintptr_t page, Visitor&& visit) {
     if (box.empty()) return;
     first = std::clamp(first, box.low.j, box.high.j);
-    for (const bool up : {upwards, !upwards}) {
-        const hfh::Index from = up == upwards ? first : first + (up ? 1 : -1);
-        PageRange last{};
-        for (hfh::Index j = from; box.low.j <= j && j <= box.high.j; j += up ? 1 : -1) {
+    const PageRange nearest = pages_of_row(layout, box, first, page);
+    visit(nearest);
+    for (const hfh::Index step : {upwards ? 1 : -1, upwards ? -1 : 1}) {
+        PageRange last = nearest;
+        for (hfh::Index j = first + step; box.low.j <= j && j <= box.high.j; j += step) {
             const PageRange range = pages_of_row(layout, box, j, page);
             if (last.begin <= range.begin && range.end <= last.end) continue;
             visit(range);

@@ -13,10 +13,18 @@
 
 namespace large_terrain {
 
-Residency::Residency(const SampleLayout& layout, const ResidencySettings& settings)
-    : layout_{layout}, settings_{settings}, page_{static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE))} {}
+hfh::Cell foresee(hfh::Cell before, hfh::Cell here, double elapsed,
+                  const ResidencySettings& settings) noexcept {
+    const auto most = static_cast<double>(settings.most_ahead);
+    const auto along = [&](hfh::Index from, hfh::Index at) {
+        const double ahead = static_cast<double>(at - from) * (settings.look_ahead / elapsed);
+        return at + std::lround(std::clamp(ahead, -most, most));
+    };
+    return {along(before.i, here.i), along(before.j, here.j)};
+}
 
-void Residency::start(hfh::Cell here) {
+Residency::Residency(const SampleLayout& layout, hfh::Cell here, const ResidencySettings& settings)
+    : layout_{layout}, settings_{settings}, page_{static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE))} {
     note(here);
     bring_in(here, here);
     thread_ = std::thread{[this] { run(); }};
@@ -38,12 +46,8 @@ void Residency::run() {
         std::this_thread::sleep_for(settings_.pause);
         const hfh::Cell here = unpack(position_.load(std::memory_order_relaxed));
         const auto now = Clock::now();
-        const double ahead = settings_.look_ahead / std::chrono::duration<double>(now - last_time).count();
-        const auto most = static_cast<double>(settings_.most_ahead);
-        const auto foresee = [&](hfh::Index at, hfh::Index before) {
-            return at + std::lround(std::clamp(static_cast<double>(at - before) * ahead, -most, most));
-        };
-        bring_in(here, {foresee(here.i, last.i), foresee(here.j, last.j)});
+        const double elapsed = std::chrono::duration<double>(now - last_time).count();
+        bring_in(here, foresee(last, here, elapsed, settings_));
 
         report_.longest_round = std::max<std::chrono::nanoseconds>(report_.longest_round, Clock::now() - now);
         ++report_.rounds;

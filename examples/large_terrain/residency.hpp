@@ -24,22 +24,28 @@ struct ResidencyReport {
     long page_reads = 0; ///< pages that the helper waited for instead of the haptic thread
 };
 
+/// Where the stylus will be in `look_ahead` seconds if it goes on as it did in the `elapsed` seconds from `before` to
+/// `here`; at most `most_ahead` cells from here in i and in j. Precondition: elapsed > 0.
+[[nodiscard]] hfh::Cell foresee(hfh::Cell before, hfh::Cell here, double elapsed,
+                                const ResidencySettings& settings) noexcept;
+
 /// Keeps the memory-mapped samples around the stylus in memory, so that a haptic update never waits for the disk.
 ///
 /// A second thread of low priority looks every few milliseconds where the stylus is, takes its velocity from where it
-/// was the last time, and has the kernel read and map the pages of the box around here and the place where the stylus
-/// will be in `look_ahead` seconds. A round asks for at most 2·margin + most_ahead + 2 rows.
+/// was the last time, and has the kernel read and map the pages of the box around here and the place foreseen. A round
+/// asks for at most 2·margin + most_ahead + 2 rows. Pages are never locked or given back: the kernel does that.
 ///
 /// The haptic thread does one relaxed store an update: it cannot be made to wait.
 class Residency {
 public:
-    explicit Residency(const SampleLayout& layout, const ResidencySettings& settings = {});
+    /// Brings in the neighbourhood of the first position, waiting for the disk, and starts the thread. The mapping must
+    /// outlive it.
+    Residency(const SampleLayout& layout, hfh::Cell here, const ResidencySettings& settings = {});
     ~Residency() { stop(); }
     Residency(const Residency&) = delete;
     Residency& operator=(const Residency&) = delete;
 
-    /// Brings in the neighbourhood of the first position, waiting for the disk, and starts the thread.
-    void start(hfh::Cell here);
+    /// Ends the thread; for good.
     void stop();
 
     /// The stylus is over cell c. Wait-free. Keeps the lower 32 bits of its numbers.
@@ -65,8 +71,8 @@ private:
     bool can_populate_ = true; ///< until the kernel says no
     std::atomic<std::uint64_t> position_{0};
     std::atomic<bool> stopping_{false};
-    std::thread thread_;
     ResidencyReport report_;
+    std::thread thread_;
 };
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "the haptic thread must not wait");

@@ -1,5 +1,5 @@
-#ifndef LARGE_TERRAIN_SESSION_HPP
-#define LARGE_TERRAIN_SESSION_HPP
+#ifndef LARGE_TERRAIN_REAL_TIME_LOOP_HPP
+#define LARGE_TERRAIN_REAL_TIME_LOOP_HPP
 
 #include "journey.hpp"
 #include "residency.hpp"
@@ -22,8 +22,9 @@ namespace large_terrain {
 struct SessionReport {
     std::uint64_t updates = 0;
     std::uint64_t in_contact = 0;
+    std::uint64_t waited = 0;             ///< updates that waited for a page from the disk, however long
     std::uint64_t too_long = 0;           ///< updates of 1 ms and more
-    std::uint64_t too_long_for_disk = 0;  ///< of these: the thread waited for a page from the disk
+    std::uint64_t too_long_for_disk = 0;  ///< of these: the thread waited for the disk
     std::uint64_t too_long_preempted = 0; ///< of these: it did not, but the scheduler ran something else
     std::uint64_t woken_late = 0;         ///< updates that began 1 ms or more after their time
     demo::Distribution nanoseconds;       ///< an update itself, tracker and force
@@ -108,6 +109,7 @@ template <class Heights>
         // A page that is on its way already counts as no read, but the thread gives way while it waits.
         const bool waited = reads > 0 || after.ru_nvcsw != before.ru_nvcsw;
         const bool preempted = after.ru_nivcsw != before.ru_nivcsw;
+        report.waited += waited;
         report.page_reads += reads;
         report.page_maps += after.ru_minflt - before.ru_minflt;
         report.nanoseconds.add(in_ns(stop - start));
@@ -140,4 +142,4 @@ template <class Heights>
 
 } // namespace large_terrain
 
-#endif // LARGE_TERRAIN_SESSION_HPP
+#endif // LARGE_TERRAIN_REAL_TIME_LOOP_HPP
