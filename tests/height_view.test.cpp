@@ -124,6 +124,9 @@ TEMPLATE_TEST_CASE("height_view: flipped_rows shows the last row first and undoe
     CHECK(flipped.columns() == w);
     CHECK(flipped.rows() == h);
     CHECK(again.data() == view.data());
+    CHECK(view.row_stride() == w);
+    CHECK(flipped.row_stride() == -w);
+    CHECK(flipped.column_stride() == 1);
     CHECK(flipped.missing(S(4)));
     for (Index j = 0; j < h; ++j) {
         for (Index i = 0; i < w; ++i) {

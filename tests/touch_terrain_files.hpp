@@ -71,15 +71,19 @@ public:
         return files;
     }
 
-    /// Runs touch_terrain in the folder; `arguments` as for a shell, `before` stands in front of the command.
-    [[nodiscard]] Run run(const std::string& arguments, const std::string& before = "") const {
+    /// Runs `program` in the folder; `arguments` as for a shell, `before` stands in front of the command.
+    [[nodiscard]] Run run_program(const std::string& program, const std::string& arguments,
+                                  const std::string& before = "") const {
         const Folder beside;
-        const std::string command = "cd '" + root_.string() + "' && " + before + " '" HFH_TOUCH_TERRAIN "' " +
+        const std::string command = "cd '" + root_.string() + "' && " + before + " '" + program + "' " +
                                     arguments + " >'" + (beside / "out").string() + "' 2>'" +
                                     (beside / "err").string() + "' </dev/null";
         const int status = std::system(command.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(beside / "out"),
                 contents(beside / "err")};
+    }
+    [[nodiscard]] Run run(const std::string& arguments, const std::string& before = "") const {
+        return run_program(HFH_TOUCH_TERRAIN, arguments, before);
     }
 
 private:

@@ -1,0 +1,74 @@
+#include "traces.hpp"
+
+#include <cstdio>
+#include <cstring>
+
+// One trace of the cost guard, for callgrind to count; cost.py calls it so. Without arguments: what there is to count.
+
+namespace {
+
+#if defined(__clang__)
+constexpr const char* compiler = "Clang " __clang_version__;
+#elif defined(__GNUC__)
+constexpr const char* compiler = "GCC " __VERSION__;
+#else
+constexpr const char* compiler = "unknown";
+#endif
+
+using hfh::cost::Ground;
+using hfh::cost::Trace;
+using hfh::cost::TraceKind;
+
+} // namespace
+
+// Counting is switched on where these begin and off where they end, by the pattern hfh_cost_replay_*: set-up is out of it.
+extern "C" {
+[[gnu::noinline]] void
+hfh_cost_replay_double(const hfh::BilinearGrid<double, hfh::HeightView<std::int16_t>>& grid,
+                       const Trace<double>& trace, hfh::cost::Felt& felt) noexcept {
+    felt = hfh::cost::replay(grid, trace);
+}
+[[gnu::noinline]] void
+hfh_cost_replay_float(const hfh::BilinearGrid<float, hfh::HeightView<std::int16_t>>& grid,
+                      const Trace<float>& trace, hfh::cost::Felt& felt) noexcept {
+    felt = hfh::cost::replay(grid, trace);
+}
+}
+
+namespace {
+
+/// Whether the trace did what it is named after: a count of wrong answers means nothing.
+bool run(const TraceKind& kind) {
+    const Ground ground{kind.relief};
+    hfh::cost::Felt felt;
+    if (kind.in_float) {
+        const auto trace = hfh::cost::make_trace<float>(ground, kind);
+        hfh_cost_replay_float(ground.grid<float>(), trace, felt);
+    } else {
+        const auto trace = hfh::cost::make_trace<double>(ground, kind);
+        hfh_cost_replay_double(ground.grid<double>(), trace, felt);
+    }
+    const std::size_t wanted = kind.doing == hfh::cost::Doing::flying ? 0 : hfh::cost::updates_a_trace;
+    if (felt.contacts != wanted || (felt.work > 0) != (wanted > 0)) {
+        std::fprintf(stderr, "%s: %zu updates in contact, but must be %zu\n", kind.name.data(), felt.contacts,
+                     wanted);
+        return false;
+    }
+    return true;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc == 1) {
+        std::printf("compiler %s\nflags %s\nupdates %zu\n", compiler, HFH_COST_FLAGS,
+                    hfh::cost::updates_a_trace);
+        for (const TraceKind& kind : hfh::cost::all_traces) std::printf("trace %s\n", kind.name.data());
+        return 0;
+    }
+    for (const TraceKind& kind : hfh::cost::all_traces) {
+        if (kind.name == argv[1]) return run(kind) ? 0 : 1;
+    }
+    std::fprintf(stderr, "there is no trace '%s'\n", argv[1]);
+    return 2;
+}
