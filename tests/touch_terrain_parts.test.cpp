@@ -121,7 +121,7 @@ TEST_CASE("touch_terrain path: reads LF, CRLF, blanks and a last row without an 
 
 TEST_CASE("touch_terrain stroke: 20 s at 1 kHz, from the air to the ground and back", "[touch_terrain]") {
     const auto ground = flat(100);
-    const auto stroke = demo::built_in_stroke(ground);
+    const auto stroke = demo::built_in_stroke(ground, demo::stroke_depth(ground));
     REQUIRE(stroke.size() == 20000);
     CHECK(stroke.front().position.z > 100);
     CHECK(stroke.back().position.z > 100);
@@ -142,13 +142,13 @@ TEST_CASE("touch_terrain stroke: is in the air over holes", "[touch_terrain]") {
     ground.height = [](glm::dvec2 at) {
         return at.x > 400 && at.x < 450 ? std::numeric_limits<double>::quiet_NaN() : 100.0;
     };
-    for (const auto& sample : demo::built_in_stroke(ground)) {
+    for (const auto& sample : demo::built_in_stroke(ground, demo::stroke_depth(ground))) {
         if (std::isnan(ground.height({sample.position.x, sample.position.y}))) {
             if (!(sample.position.z > 100)) FAIL("below the rim at t = " << sample.t);
         }
     }
     ground.height = [](glm::dvec2) { return std::numeric_limits<double>::quiet_NaN(); };
-    for (const auto& sample : demo::built_in_stroke(ground)) {
+    for (const auto& sample : demo::built_in_stroke(ground, demo::stroke_depth(ground))) {
         if (!std::isfinite(sample.position.z)) FAIL("no height at t = " << sample.t);
     }
 }

@@ -119,8 +119,8 @@ TEST_CASE("touch_terrain: the record of the built-in stroke holds from outside",
     const Folder folder;
     const bool in_float = GENERATE(false, true);
     CAPTURE(in_float);
-    const Run run =
-        folder.run(std::string{"--stiffness 0.1 --record out.csv"} + (in_float ? " --float" : ""));
+    const Run run = folder.run(std::string{"--device none --stiffness 0.1 --record out.csv"} +
+                               (in_float ? " --float" : ""));
     REQUIRE(run.code == 0);
     CHECK(run.err.empty());
 
@@ -165,9 +165,105 @@ TEST_CASE("touch_terrain: the record of the built-in stroke holds from outside",
     CHECK(not_unit <= (in_float ? 1e-6 : 1e-14));
 }
 
+TEST_CASE("touch_terrain: a simulated device closes the loop", "[touch_terrain][law]") {
+    const Folder folder;
+    const Peaks peaks;
+    const Run run = folder.run("--record out.csv");
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find("Touch, simulated") != std::string::npos);
+    const auto rows = rows_of(contents(folder / "out.csv"));
+    REQUIRE(rows.size() == 20000);
+    CHECK_FALSE(rows.front().contact);
+    CHECK_FALSE(rows.back().contact);
+    std::size_t touching = 0;
+    double least = 1e300, most = 0, largest_force = 0, buried = 0, off_surface = 0, descent = 0;
+    for (const Row& row : rows) {
+        const double height = peaks.height(row.stylus[0], row.stylus[1]);
+        const double force = distance(row.force, {0, 0, 0});
+        largest_force = std::max(largest_force, force);
+        if (!row.contact) {
+            buried = std::max(buried, height - row.stylus[2]);
+            continue;
+        }
+        ++touching;
+        off_surface =
+            std::max(off_surface, std::abs(row.proxy[2] - peaks.height(row.proxy[0], row.proxy[1])));
+        descent = std::max(descent, steepest_descent(peaks, row));
+        const double depth = distance(row.proxy, row.stylus);
+        if (depth > 1) {
+            least = std::min(least, force / depth);
+            most = std::max(most, force / depth);
+        }
+    }
+    CHECK(touching > 18000);
+    CHECK(buried <= 1e-10);
+    CHECK(off_surface <= 1e-10);
+    CHECK(descent <= 2e-4);
+    CHECK(largest_force > 1.0);
+    CHECK(largest_force < 3.3);
+    CHECK(most / least < 1 + 1e-9);   // one stiffness: 500 N/m in the hand
+    const double scale = least / 500; // metres in the hand per metre of terrain
+    // The path fills the Touch's 160 x 70 mm.
+    double west = 1e300, east = -1e300, south = 1e300, north = -1e300;
+    for (const Row& row : rows) {
+        west = std::min(west, row.stylus[0]), east = std::max(east, row.stylus[0]);
+        south = std::min(south, row.stylus[1]), north = std::max(north, row.stylus[1]);
+        for (std::size_t axis = 0; axis < 3; ++axis) { // the encoder's steps, all counted from the first
+            const double steps = (row.stylus[axis] - rows[0].stylus[axis]) * scale / 0.055e-3;
+            if (std::abs(steps - std::round(steps)) > 1e-6) FAIL("between two steps at t = " << row.t);
+        }
+    }
+    CHECK(std::max((east - west) * scale / 0.160, (north - south) * scale / 0.070) > 0.8);
+    CHECK((east - west) * scale < 0.160);
+    CHECK((north - south) * scale < 0.070);
+
+    // The path alone, without a device, gives the same forces.
+    folder.text("path.csv", path_in(contents(folder / "out.csv")));
+    char stiffness[40];
+    std::snprintf(stiffness, sizeof stiffness, "%.17g", least);
+    REQUIRE(folder.run(std::string{"--path path.csv --record again.csv --stiffness "} + stiffness).code == 0);
+    const auto again = rows_of(contents(folder / "again.csv"));
+    REQUIRE(again.size() == rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (distance(again[k].force, rows[k].force) > 1e-9) FAIL("another force at t = " << rows[k].t);
+    }
+
+    CHECK(folder.run("--device premium").out.find("Premium 1.5, simulated") != std::string::npos);
+}
+
+TEST_CASE("touch_terrain: a device goes along any path that fits a scale, and refuses others",
+          "[touch_terrain]") {
+    const Folder folder;
+    folder.samples<float>("t.bil", {0, 0, 0, 0});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nPIXELTYPE FLOAT\n");
+    const auto touch = [&](const std::string& rows) {
+        folder.text("p.csv", "t,x,y,z\n" + rows);
+        const Run run = folder.run("t.bil --device touch --path p.csv --record out.csv");
+        CAPTURE(rows, run.err);
+        if (run.code == 0) return rows_of(contents(folder / "out.csv"));
+        CHECK(run.code == 2);
+        CHECK(run.err.find("The path") != std::string::npos);
+        return std::vector<Row>{};
+    };
+    // At 1 kHz, whatever the rows; at the end the device has come where the hand waits for it.
+    const auto slow = touch("5,0.2,0.5,0.6\n7,0.8,0.5,0.6\n7.1,0.8,0.5,0.6\n");
+    REQUIRE(slow.size() == 2101);
+    CHECK(slow.front().t == 5);
+    CHECK(slow.back().t == Approx(7.1));
+    CHECK(slow.front().stylus[0] == Approx(0.2).margin(1e-3));
+    CHECK(slow.back().stylus[0] == Approx(0.8).margin(0.01)); // friction: 0.87 mm of 144
+    CHECK(touch("5,0.5,0.5,1\n").size() == 1);
+    CHECK(touch("0,0.5,0.5,1\n0,0.6,0.5,1\n0,0.7,0.5,1\n").size() == 1);
+    CHECK(touch("0,-1e30,0.5,1\n0.1,1e30,0.5,1\n").size() == 101);
+    CHECK(touch("0,-1e308,0.5,1\n0.1,1e308,0.5,1\n").empty());
+    CHECK(touch("0,0,0,1\n0.1,1e-320,0,1\n").empty());
+    CHECK(touch("0,0,0,1\n1e9,1,0,1\n").empty());
+    CHECK(touch("-1e308,0,0,1\n1e308,1,0,1\n").empty());
+}
+
 TEST_CASE("touch_terrain: a recorded path replayed gives the same record", "[touch_terrain]") {
     const Folder folder;
-    REQUIRE(folder.run("--record first.csv").code == 0);
+    REQUIRE(folder.run("--device none --record first.csv").code == 0);
     const std::string first = contents(folder / "first.csv");
     folder.text("path.csv", path_in(first));
     REQUIRE(folder.run("--path path.csv --record second.csv").code == 0);

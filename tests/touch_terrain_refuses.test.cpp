@@ -234,6 +234,7 @@ TEST_CASE("touch_terrain: refuses option values out of range", "[touch_terrain]"
     folder.refuses("good.bil --depth 3", {"--depth"});
     folder.refuses("good.bil another.bil", {"another.bil"});
     folder.refuses("good.bil --stiffness 1 --stiffness 2", {"--stiffness"});
+    folder.refuses("good.bil --device omni", {"--device is 'omni'", "touch, premium or none"});
     const Run without_value = folder.run("good.bil --path");
     CHECK(without_value.code == 2);
     CHECK(without_value.err.find("--path") != std::string::npos);

@@ -1,4 +1,5 @@
 #include "bad_input.hpp"
+#include "device_in_hand.hpp"
 #include "gnuplot.hpp"
 #include "ground.hpp"
 #include "numbers.hpp"
@@ -45,28 +46,62 @@ double percent(const Summary& summary) {
                : 100.0 * static_cast<double>(summary.in_contact) / static_cast<double>(summary.updates);
 }
 
-std::string caption(const Summary& summary, const std::string& terrain, double stiffness) {
+/// What the stylus is held by: nothing, or a simulated device.
+struct Setup {
+    double stiffness = 0; ///< N/m in the hand; without a device, of terrain
+    ForceRule rule;
+    std::string device; ///< empty: none
+};
+
+std::string caption(const Summary& summary, const std::string& terrain, const Setup& setup) {
     std::string what = terrain;
     for (std::size_t at; (at = what.find(" x ")) != std::string::npos;) what.replace(at, 3, " × ");
     return what + "; " + grouped(summary.updates) + " updates, " + rounded(percent(summary), 3) +
-           " % in contact; stiffness " + rounded(stiffness) + " N/m, largest force " +
-           rounded(summary.largest_force) + " N";
+           " % in contact" + (setup.device.empty() ? "" : "; simulated " + setup.device) + "; stiffness " +
+           rounded(setup.stiffness) + " N/m, largest force " + rounded(summary.largest_force) + " N";
 }
 
-void print(const Summary& summary, const std::string& terrain, const Options& options, double stiffness) {
+void print(const Summary& summary, const std::string& terrain, const Options& options, const Setup& setup) {
     const auto row = [](const Distribution& d) {
         return grouped(d.quantile(0.5)) + " median, " + grouped(d.quantile(0.999)) + " at 99.9 %, " +
                grouped(d.worst()) + " worst";
     };
     std::printf("terrain         %s\n", terrain.c_str());
+    if (!setup.device.empty()) {
+        std::printf("device          %s, simulated, in a hand; 1 mm there is %s m of terrain\n",
+                    setup.device.c_str(), rounded(1e-3 * setup.stiffness / setup.rule.stiffness).c_str());
+    }
     std::printf("updates         %s in %s\n", grouped(summary.updates).c_str(),
                 options.in_float ? "float" : "double");
     std::printf("in contact      %.1f %%\n", percent(summary));
     std::printf("patches         %s, per update\n", row(summary.patches).c_str());
     std::printf("time (ns)       %s, per update\n", row(summary.nanoseconds).c_str());
     std::printf("largest force   %s N at %s N/m\n", rounded(summary.largest_force).c_str(),
-                rounded(stiffness).c_str());
+                rounded(setup.stiffness).c_str());
     std::printf("bytes kept beside the heights: 0 (the tracker remembers %zu in all)\n", summary.state_bytes);
+}
+
+/// The device of `options`, in a hand that wants to go along the path of `file` or along the built-in stroke.
+void put_in_hand(const Options& options, const Ground& ground, std::optional<StylusPathFile>& file,
+                 std::optional<DeviceInHand>& device, Setup& setup) {
+    const bool premium = options.device == DeviceChoice::premium;
+    const hfh::DeviceModel& model = premium ? hfh::simulated_premium : hfh::simulated_touch;
+    setup.device = premium ? "Premium 1.5" : "Touch";
+    setup.stiffness = options.stiffness.value_or(model.capabilities.max_stiffness);
+
+    std::vector<StylusSample> wanted;
+    const double depth = aim_depth(setup.stiffness);
+    double room = 0;
+    if (file) {
+        while (const auto sample = file->next()) wanted.push_back(*sample);
+    } else {
+        wanted = built_in_stroke(ground, stroke_depth(ground));
+        room = std::min(3 * depth, 0.4 * model.capabilities.workspace.z);
+    }
+    const Mapping mapping = fit(model, ground, wanted, room);
+    if (!file) wanted = built_in_stroke(ground, depth / mapping.scale);
+    setup.rule = {setup.stiffness * mapping.scale, model.capabilities.max_force};
+    device.emplace(model, mapping, std::move(wanted));
 }
 
 void run(const Options& options) {
@@ -74,19 +109,29 @@ void run(const Options& options) {
     const Terrain terrain = read_terrain(options.terrain.value_or(bundled_terrain));
     const hfh::GridFrame frame = frame_for(options, terrain);
     const Ground ground = ground_of(terrain, frame);
-    const double stiffness = options.stiffness.value_or(default_stiffness(ground));
 
     std::optional<StylusPathFile> file;
     std::vector<StylusSample> stroke;
     std::size_t at = 0;
-    if (options.path) {
-        file.emplace(*options.path);
+    std::optional<DeviceInHand> device;
+    Setup setup;
+    if (options.path) file.emplace(*options.path);
+    if (options.device == DeviceChoice::none) {
+        if (!file) stroke = built_in_stroke(ground, stroke_depth(ground));
+        setup.stiffness = options.stiffness.value_or(default_stiffness(ground));
+        setup.rule.stiffness = setup.stiffness;
     } else {
-        stroke = built_in_stroke(ground);
+        put_in_hand(options, ground, file, device, setup);
     }
     const StylusSource path = [&]() -> std::optional<StylusSample> {
+        if (device) return device->next();
         if (file) return file->next();
         return at < stroke.size() ? std::optional{stroke[at++]} : std::nullopt;
+    };
+    const auto done = [&] {
+        return device ? device->progress()
+               : file ? file->progress()
+                      : static_cast<double>(at) / static_cast<double>(stroke.size());
     };
 
     std::optional<Record> record;
@@ -102,21 +147,21 @@ void run(const Options& options) {
         const auto on_touch = [&](const Touch& touch) {
             if (record) record->add(touch);
             if (picture) trace.add(touch);
-            progress.show(++updates, file ? file->progress()
-                                          : static_cast<double>(at) / static_cast<double>(stroke.size()));
+            if (device) device->feel(touch.force);
+            progress.show(++updates, done());
         };
-        summary = options.in_float ? touch_terrain<float>(terrain, frame, stiffness, path, on_touch)
-                                   : touch_terrain<double>(terrain, frame, stiffness, path, on_touch);
+        summary = options.in_float ? touch_terrain<float>(terrain, frame, setup.rule, path, on_touch)
+                                   : touch_terrain<double>(terrain, frame, setup.rule, path, on_touch);
     }
 
     const std::string description = describe(terrain, ground);
     if (record) record->finish();
     if (picture) {
-        draw_picture(*picture, ground, trace, terrain.name, caption(summary, description, stiffness));
+        draw_picture(*picture, ground, trace, terrain.name, caption(summary, description, setup));
     }
     if (record) record->keep();
     if (picture) picture->keep();
-    print(summary, terrain.name + ", " + description, options, stiffness);
+    print(summary, terrain.name + ", " + description, options, setup);
 }
 
 } // namespace

@@ -40,6 +40,13 @@ double number_from(const std::string& option, const std::string& text, bool may_
     return *value;
 }
 
+DeviceChoice device_from(const std::string& text) {
+    if (text == "touch") return DeviceChoice::touch;
+    if (text == "premium") return DeviceChoice::premium;
+    if (text == "none") return DeviceChoice::none;
+    refuse("--device", text, "touch, premium or none");
+}
+
 void refuse_same_file(const char* a, const std::optional<std::filesystem::path>& first, const char* b,
                       const std::optional<std::filesystem::path>& second) {
     if (!first || !second) return;
@@ -54,7 +61,7 @@ void refuse_same_file(const char* a, const std::optional<std::filesystem::path>&
 
 std::optional<Options> read_options(int argc, const char* const* argv) {
     CLI::App app{"Touches a terrain along a path of the stylus, and says what is felt.", "touch_terrain"};
-    std::string terrain, spacing, height_scale, path, stiffness, record, picture;
+    std::string terrain, spacing, height_scale, path, device, stiffness, record, picture;
     Options options;
     app.add_option(
         "TERRAIN", terrain,
@@ -73,8 +80,16 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
                    "Positions of the stylus, header t,x,y,z, in seconds and metres from the south-west "
                    "sample. Default: a stroke across the terrain, 20 s at 1 kHz")
         ->type_name("FILE.csv");
-    app.add_option("--stiffness", stiffness,
-                   "Newtons per metre of depth. Default: 2 N at a quarter of a cell")
+    app.add_option(
+           "--device", device,
+           "touch or premium: a simulated device, in a hand that wants to go along the path and gives "
+           "way to the force. none: the stylus is on the path, whatever the force. Default: touch; with "
+           "--path none")
+        ->type_name("DEVICE");
+    app.add_option(
+           "--stiffness", stiffness,
+           "Newtons per metre of depth: in the hand, by default the device's; without a device in the "
+           "terrain, by default 2 N at a quarter of a cell")
         ->type_name("K");
     app.add_option("--record", record, "Writes what every update found, one row each")->type_name("FILE.csv");
     app.add_option("--picture", picture,
@@ -107,6 +122,11 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     if (app.count("--spacing") != 0) options.spacing = spacing_from(spacing);
     if (app.count("--height-scale") != 0)
         options.height_scale = number_from("--height-scale", height_scale, true);
+    if (app.count("--device") != 0) {
+        options.device = device_from(device);
+    } else if (options.path) {
+        options.device = DeviceChoice::none;
+    }
     if (app.count("--stiffness") != 0) options.stiffness = number_from("--stiffness", stiffness, false);
 
     refuse_same_file("--record", options.record, "--picture", options.picture);

@@ -8,12 +8,15 @@
 
 namespace demo {
 
+enum class DeviceChoice { none, touch, premium };
+
 /// The command line, checked.
 struct Options {
     std::optional<std::filesystem::path> terrain; ///< none: the bundled one
     std::optional<glm::dvec2> spacing;
     double height_scale = 1.0;
     std::optional<std::filesystem::path> path; ///< none: the built-in stroke
+    DeviceChoice device = DeviceChoice::touch;
     std::optional<double> stiffness;
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> picture;

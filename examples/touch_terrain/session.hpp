@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 
 namespace demo {
 
@@ -23,9 +24,15 @@ struct Summary {
     std::size_t state_bytes = 0; ///< what the tracker remembers from update to update
 };
 
-/// Moves the stylus along `path` over the terrain, one update a sample, and hands every touch to `on_touch`.
+struct ForceRule {
+    double stiffness = 0;                                  ///< N per metre of terrain
+    double most = std::numeric_limits<double>::infinity(); ///< N
+};
+
+/// Moves the stylus along `path` over the terrain, one update a sample, and hands every touch to `on_touch` before it
+/// asks for the next sample.
 template <hfh::Real T>
-Summary touch_terrain(const Terrain& terrain, const hfh::GridFrame& frame, double stiffness,
+Summary touch_terrain(const Terrain& terrain, const hfh::GridFrame& frame, const ForceRule& force,
                       const StylusSource& path, const std::function<void(const Touch&)>& on_touch);
 
 } // namespace demo

@@ -16,13 +16,14 @@ namespace demo {
 
 /// The session for one type of sample.
 template <hfh::Real T, class HeightSource>
-Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double stiffness,
+Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, const ForceRule& rule,
                const StylusSource& path, const std::function<void(const Touch&)>& on_touch) {
     using Clock = std::chrono::steady_clock;
 
     const hfh::BilinearGrid<T, HeightSource> grid{heights, frame};
     hfh::ProxyTracker tracker{grid};
-    const hfh::ForceEvaluator<T> force{.stiffness = static_cast<T>(stiffness)};
+    const hfh::ForceEvaluator<T> force{.stiffness = static_cast<T>(rule.stiffness),
+                                       .max_force = static_cast<T>(rule.most)};
 
     Summary summary;
     summary.state_bytes = sizeof(tracker.state());

@@ -12,13 +12,14 @@ namespace demo {
 /// mountain range as on a scanned bullet. Bumps press back up to 1.6 times as deep, hollows down to 0.4 times.
 [[nodiscard]] double stroke_depth(const Ground& ground) noexcept;
 
-/// Newtons per metre if the user gives none: 2 N at a quarter of a cell. With `stroke_depth` this makes 0.6 to 2.6 N
+/// Newtons per metre of terrain if the user gives none: 2 N at a quarter of a cell. With `stroke_depth` this makes 0.6 to 2.6 N
 /// on open ground, within the 3.3 N of a desktop device.
 [[nodiscard]] double default_stiffness(const Ground& ground) noexcept;
 
 /// The built-in stroke, 20 s at 1 kHz: down onto the ground, across the middle of the terrain from west to east in
-/// loops, and off again. A hand that follows the ground, though not every bump of it; it lifts off before holes.
-[[nodiscard]] std::vector<StylusSample> built_in_stroke(const Ground& ground);
+/// loops, and off again. A hand that follows the ground, though not every bump of it; it lifts off before holes. On level
+/// ground it is `depth` metres below the surface.
+[[nodiscard]] std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth);
 
 } // namespace demo
 

@@ -12,7 +12,7 @@ struct Touch {
     bool contact = false;
     glm::dvec3 proxy{0.0};
     glm::dvec3 normal{0.0};
-    glm::dvec3 force{0.0}; ///< stiffness × (proxy − stylus), not cut to what a device can give
+    glm::dvec3 force{0.0}; ///< stiffness × (proxy − stylus), cut to what the device can give, if there is one
     int patches = 0;
     const char* status = "";
 };
