@@ -19,7 +19,8 @@ set(order
     damping force_shading level_beyond
     moving_mass
     simulated_device
-    energy_tank)
+    energy_tank
+    steady_position)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
