@@ -14,6 +14,7 @@
 #include <hfh/level_beyond.hpp>
 #include <hfh/raised_field.hpp>
 #include <hfh/simulated_device.hpp>
+#include <hfh/steady_position.hpp>
 #include <hfh/workspace.hpp>
 
 #include <cstdint>
@@ -97,12 +98,13 @@ template class SimulatedDevice<Still>;
 
 namespace {
 
-/// A spring, through the tank, to the simulated device.
+/// The simulated device's steps kept steady, a spring, and through the tank back to it.
 [[maybe_unused]] bool use_device() {
     SimulatedDevice device{simulated_touch, {}, Still{}, 0.01};
     EnergyTank tank;
+    SteadyPosition steady{simulated_touch.capabilities.resolution};
     return device.run([&](const DeviceSample& sample) -> DeviceCommand {
-        return {.newtons = tank(sample.position, -500.0 * sample.position).newtons};
+        return {.newtons = tank(sample.position, -500.0 * steady(sample.position)).newtons};
     }) == DeviceEnd::stopped;
 }
 

@@ -30,6 +30,8 @@ template <Real T>
     return terrain;
 }
 
+inline constexpr std::size_t shapes = 4; ///< before the real ones
+
 /// Shapes of 400 × 400 samples: slopes of 27° at the ridge and in the valley, from none in the middle of the saddle to
 /// 70° in its corners. Then the real terrains, those with holes last, if they are there.
 template <Real T>

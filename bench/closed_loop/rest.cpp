@@ -1,6 +1,8 @@
 #include "hand.hpp"
 #include "report.hpp"
 
+#include <hfh/steady_position.hpp>
+
 // Does a hand that presses and then keeps still come to rest? And what does a hand feel that slides on flat ground?
 
 namespace closed_loop {
@@ -17,8 +19,9 @@ struct Tremor {
 
 /// Presses from 2 mm above with up to 3 N, as far as the grip would bend, within 0.3 s.
 template <Real T>
-[[nodiscard]] Tremor hold(Touching<T>& touching, const hfh::DeviceModel& model, const hfh::HandGrip& grip,
+[[nodiscard]] Tremor hold(Touching<T>& touching, const hfh::DeviceModel& model, bool steadies,
                           Site<T>& site) {
+    const hfh::HandGrip grip;
     const glm::dvec3 at = site.somewhere(5 * cell);
     auto& random = site.random();
     const glm::dvec3 from = at + glm::dvec3{0, 0, 2e-3},
@@ -30,9 +33,10 @@ template <Real T>
     touching.reset();
     hfh::SimulatedDevice device{model, grip, Along{&path}, 2};
     glm::dvec3 low{1e300}, high{-1e300}, low_force{1e300}, high_force{-1e300};
+    hfh::SteadyPosition steady{model.capabilities.resolution};
     auto sample = device.sample();
     for (int k = 0; k < 2000; ++k) {
-        sample = device.step(touching.update(sample.position));
+        sample = device.step(touching.update(steadies ? steady(sample.position) : sample.position));
         if (k < 1500) continue;
         low = glm::min(low, device.position());
         high = glm::max(high, device.position());
@@ -55,15 +59,15 @@ struct Holds {
 
 /// On every ground; the figures by ground into `detail`.
 template <Real T>
-[[nodiscard]] Holds holds(const hfh::DeviceModel& model, double stiffness, int count, Findings& findings,
-                          Findings::Detail& detail) {
+[[nodiscard]] Holds holds(const hfh::DeviceModel& model, double stiffness, bool steadies, int count,
+                          Findings& findings, Findings::Detail& detail) {
     Holds all;
     for (const auto& ground : grounds<T>(cell)) {
         Site<T> site{ground.terrain, 12};
         Touching<T> touching{ground.terrain, stiffness};
         Holds here;
         for (int n = 0; n < count; ++n) {
-            const auto tremor = hold(touching, model, {}, site);
+            const auto tremor = hold(touching, model, steadies, site);
             here.add(tremor);
             all.add(tremor);
         }
@@ -111,10 +115,13 @@ void rest(const Effort& effort, Findings& findings) {
     const auto& touch = hfh::simulated_touch;
     const auto& premium = hfh::simulated_premium;
     const int count = effort.counted(60, 4);
-    const auto row = [&](const char* what, const hfh::DeviceModel& model, double stiffness, bool expected) {
-        Findings::Detail detail{text("limit cycles, %s, %.0f N/m", what, stiffness), {}};
-        const auto found = holds<T>(model, stiffness, count, findings, detail);
-        findings.rows.push_back({text("limit cycles, %s, %.0f N/m", what, stiffness), "0",
+    const auto row = [&](const char* name, const hfh::DeviceModel& model, double stiffness, bool steadies,
+                         bool expected) {
+        const std::string what =
+            text("limit cycles, %s, %.0f N/m%s", name, stiffness, steadies ? ", with `SteadyPosition`" : "");
+        Findings::Detail detail{what, {}};
+        const auto found = holds<T>(model, stiffness, steadies, count, findings, detail);
+        findings.rows.push_back({what, "0",
                                  found.moving == 0 ? text("0 of %d", found.all)
                                                    : text("%d of %d, up to %.1f µm and %.2f N", found.moving,
                                                           found.all, 1e6 * found.position, found.newtons),
@@ -123,9 +130,10 @@ void rest(const Effort& effort, Findings& findings) {
                                                    : Verdict::not_met});
         findings.details.push_back(detail);
     };
-    row("Touch", touch, touch.capabilities.max_stiffness, false);
-    row("Premium 1.5", premium, premium.capabilities.max_stiffness, true);
-    row("Premium 1.5", premium, 2 * premium.dry / premium.capabilities.resolution, false);
+    row("Touch", touch, touch.capabilities.max_stiffness, false, false);
+    row("Premium 1.5", premium, premium.capabilities.max_stiffness, false, true);
+    row("Premium 1.5", premium, premium.capabilities.max_stiffness, true, false);
+    row("Premium 1.5", premium, 2 * premium.dry / premium.capabilities.resolution, false, false);
     flat<T>(touch, "Touch", effort, findings);
     flat<T>(premium, "Premium 1.5", effort, findings);
 }
