@@ -16,7 +16,8 @@ set(order
     force_evaluator
     hfh
     device
-    damping force_shading level_beyond)
+    damping force_shading level_beyond
+    height_bounds)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

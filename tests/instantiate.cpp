@@ -4,6 +4,7 @@
 
 #include <hfh/damping.hpp>
 #include <hfh/force_shading.hpp>
+#include <hfh/height_bounds.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/level_beyond.hpp>
 
@@ -48,7 +49,13 @@ template struct TrackerState<double>;
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
-    template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;
+    template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
+    template struct SampleRange<S>;                                                                          \
+    template class HeightBounds<S>;                                                                          \
+    template class BoundedGrid<float, HeightView<S>>;                                                        \
+    template class BoundedGrid<double, HeightView<S, MissingValue<S>>>;                                      \
+    template class ProxyTracker<BoundedGrid<float, HeightView<S>>>;                                          \
+    template class ProxyTracker<BoundedGrid<double, HeightView<S, MissingValue<S>>>>;
 
 HFH_TEST_INSTANTIATE(std::uint8_t)
 HFH_TEST_INSTANTIATE(std::uint16_t)
@@ -69,6 +76,9 @@ template <Real T, Sample S>
     const HeightView holed{samples, 4, 4, MissingValue{samples[0]}};
     const BilinearGrid<T, HeightView<S>> grid{heights.flipped_rows(), {.spacing = {2, 3}}};
     const BilinearGrid<T, decltype(holed)> holed_grid{holed, {}};
+    SampleRange<S> range;
+    BoundedGrid bounded{grid, &range, 1};
+    ProxyTracker bounded_tracker{bounded};
     ProxyTracker tracker{grid};
     ProxyTracker holed_tracker{holed_grid, {.surface = SurfaceKind::sheet}};
     const ForceEvaluator<T> force{};
@@ -86,7 +96,10 @@ template <Real T, Sample S>
     const auto shaded = shade_force(level, level_tracker.update({T(1), T(1), T(1)}));
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
-           nearest.u >= 0 && is_finite(force(contact).newtons) &&
+           nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == BoundsStatus::ok &&
+           bounded.update({{1, 1}, {2, 2}}) == BoundsStatus::ok &&
+           bounded.block_range(0, {0, 0}).lowest < 300 &&
+           bounded_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&
            holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 && to_string(contact.status) != nullptr;
 }
 

@@ -36,6 +36,7 @@ template <Real T, HeightSource Heights>
 class BilinearGrid {
 public:
     using Scalar = T;
+    using SampleType = typename Heights::SampleType;
 
     constexpr BilinearGrid(Heights heights, const GridFrame& frame) noexcept
         : heights_{heights}, lattice_{frame.origin, frame.spacing}, spacing_{frame.spacing},
@@ -79,9 +80,12 @@ public:
         return found;
     }
 
-private:
-    using SampleType = typename Heights::SampleType;
+    /// The height of a corner with this sample: never falls as the sample rises, or never rises if the scale is negative.
+    [[nodiscard]] constexpr T metres(SampleType sample) const noexcept {
+        return height_offset_ + height_scale_ * static_cast<T>(sample);
+    }
 
+private:
     /// Whether every value of an integer sample is a finite height, so that no patch need ask.
     [[nodiscard]] constexpr bool integers_stay_finite() const noexcept {
         using Limits = std::numeric_limits<SampleType>;
@@ -92,11 +96,6 @@ private:
     /// The determinant of Eq. (11) is (dx·dy)² at the least: that must be a number.
     [[nodiscard]] static constexpr bool squares_in_range(T area) noexcept {
         return area > 0 && area * area >= std::numeric_limits<T>::min() && is_finite(area * area);
-    }
-
-    template <Sample S>
-    [[nodiscard]] constexpr T metres(S sample) const noexcept {
-        return height_offset_ + height_scale_ * static_cast<T>(sample);
     }
 
     Heights heights_;

@@ -72,6 +72,9 @@ public:
     [[nodiscard]] constexpr Index columns() const noexcept { return columns_; }
     [[nodiscard]] constexpr Index rows() const noexcept { return rows_; }
     [[nodiscard]] constexpr const S* data() const noexcept { return data_; }
+    [[nodiscard]] constexpr Index column_stride() const noexcept { return column_stride_; }
+    [[nodiscard]] constexpr Index row_stride() const noexcept { return row_stride_; }
+    [[nodiscard]] constexpr const Missing& rule() const noexcept { return missing_; }
 
     /// Sample (i, j). Precondition: 0 ≤ i < columns, 0 ≤ j < rows.
     [[nodiscard]] constexpr S operator()(Index i, Index j) const noexcept {
