@@ -32,7 +32,7 @@ struct FirstHit {
     double t = 1;            ///< how far along a → b: the crossing, or the end of what was searched
     SurfacePoint<T> point{}; ///< the crossing, if there is one
     Side side = Side::none; ///< hit: the side the segment came from; else: the side on which the search ended
-    Index cells = 0;        ///< cells looked at
+    Index cells = 0;        ///< cells looked at; of a field with bounds, cells and blocks
 };
 
 struct FirstHitOptions {
@@ -78,15 +78,12 @@ struct Judge {
     double covered_to = 0;                 // up to here there was surface all along
     double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
 
-    /// Whether the segment, if it is above at t, is so by what is known.
-    [[nodiscard]] bool may_be_above(double t) const noexcept {
-        return !leaving && (side != Side::below || t > covered_to);
-    }
-    /// The segment passes above everything up to t; `cells` were looked at.
-    void pass_over(double t, Index cells) noexcept {
-        side = Side::above;
+    /// The side of what begins at t, if it is known.
+    [[nodiscard]] Side side_at(double t) const noexcept { return t > covered_to ? Side::none : side; }
+    /// The segment is on one side of everything up to t.
+    void pass(double t, Side on) noexcept {
+        side = on;
         covered_to = t;
-        result.cells += cells;
     }
 
     /// The next cell of a walk; false if the search is over.
@@ -212,6 +209,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     const Profile profile{along, across, judge.a.z, judge.b.z};
     const Index first = along_x ? range.first.i : range.first.j, last = along_x ? range.last.i : range.last.j;
     const Index step = along.step, stop = std::clamp(along.last, first, last - 1) + step;
+    Stretches<along_x, Field> stretches{field, profile, along.base, step};
     // The columns from `from` to before `to` in the direction of the segment.
     const auto columns = [&](Index from, Index to) {
         const Index low = step > 0 ? from : to + 1, past = step > 0 ? to : from + 1;
@@ -220,16 +218,15 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     };
     for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = along.cell;
-        if (profile.usable() && judge.may_be_above(walk.t)) {
-            // No column has more than three cells.
-            const Index allowed = (judge.options.max_cells - judge.result.cells) / 3;
-            const Index clear = clear_columns<along_x>(field, profile, along.base, here - along.base, step,
-                                                       std::min((stop - here) * step, allowed));
-            if (clear > 0) {
-                const Index there = here + clear * step;
-                const Index from = step > 0 ? here : here + 1, to = from + clear * step; // lines
-                judge.pass_over(there == along.last + step ? 1 : along.time_at(to),
-                                profile.cells(from - along.base, to - along.base));
+        if (profile.usable() && !judge.leaving) {
+            const Stretch clear =
+                stretches.next(here - along.base, (stop - here) * step,
+                               judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));
+            judge.result.cells += clear.looked_at;
+            if (clear.columns > 0) {
+                const Index there = here + clear.columns * step;
+                judge.pass(there == along.last + step ? 1 : along.time_at(step > 0 ? there : there + 1),
+                           clear.side);
                 if (there == stop || !walk.enter(columns(there, stop))) return;
                 block = 1;
             }
@@ -267,7 +264,10 @@ void search(const Field& field, const SplitEnds& ends, const glm::dvec3& a, cons
 /// a hole, or on entering from outside, the side is decided afresh. A segment that begins on a solid's surface and
 /// goes down hits at t = 0; one that begins on a sheet is on the side to which it goes.
 ///
-/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max(max_cells, 4).
+/// Of a `BoundedHeightField` whole blocks are skipped that lie below the segment or above it: a few looks where there is
+/// room, for a segment of any length. The answer is the same to the bit.
+///
+/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max(max_cells, 4) + 3.
 template <HeightField Field>
 [[nodiscard]] FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a,
                                                          const glm::dvec3& b,
