@@ -11,7 +11,7 @@
 // is left over is for `first_hit` to judge.
 //
 // The cells are looked at in columns across the longer axis of the segment (in cells). Over a column the segment
-// passes two cells as a rule, and its height is linear in the number of the grid line: no division in the loop, and no
+// passes one cell or two, and its height is linear in the number of the grid line: no division in the loop, and no
 // column waits for the one before. Every estimate is widened by a bound of its rounding, and of the rounding of the
 // exact walk, so that a column is only called clear if each of its cells would be passed by the exact walk as well.
 
@@ -79,13 +79,11 @@ private:
 /// Whether there is a patch over the cell, and all of it is below z.
 template <HeightField Field>
 [[nodiscard]] bool lies_below(const Field& field, const Cell& cell, double z) noexcept {
-    using T = typename Field::Scalar;
     const auto patch = field.patch(cell);
     if (!patch) return false;
-    // `highest`, but of values that stay in registers: a column takes half the time.
-    const T p00 = patch->p00, p10 = patch->p10, p01 = patch->p01, p11 = patch->p11;
-    const T at_v0 = p00 < p10 ? p10 : p00, at_v1 = p01 < p11 ? p11 : p01;
-    return static_cast<double>(at_v0 < at_v1 ? at_v1 : at_v0) < z;
+    // Corner by corner, not `highest`: GCC would put them into a vector and take them out again.
+    return static_cast<double>(patch->p00) < z && static_cast<double>(patch->p10) < z &&
+           static_cast<double>(patch->p01) < z && static_cast<double>(patch->p11) < z;
 }
 
 /// Columns of which the segment touches no cell, but passes all of them on one side.
@@ -108,7 +106,8 @@ template <bool along_x, HeightField Field>
             return lies_below(field, along_x ? Cell{base + column, across} : Cell{across, base + column},
                               part.lowest);
         };
-        if (!passes_over(part.first) || !passes_over(part.last)) return n;
+        if (!passes_over(part.first)) return n;
+        if (part.first != part.last && !passes_over(part.last)) return n;
         for (Index across = part.first + 1; across < part.last; ++across) { // through a vertex, or nearly
             if (!passes_over(across)) return n;
         }
