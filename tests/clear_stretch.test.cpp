@@ -66,12 +66,14 @@ struct Riddled {
 /// Bounds that are made up where there is no such block: nobody may ask for them.
 template <class Field>
 struct Strict : Field {
+    using Scalar = typename Field::Scalar;
     using Field::Field;
 
-    [[nodiscard]] hfh::HeightRange<typename Field::Scalar> block_range(int level, Cell block) const noexcept {
+    [[nodiscard]] hfh::HeightRange<Scalar> block_range(int level, Cell block) const noexcept {
         const Index side = Index{16} << level;
         const Cell first{block.i * side, block.j * side};
-        if (level < 0 || level >= this->levels() || !this->cells().contains(first)) return {-1e30f, -1e30f};
+        if (level < 0 || level >= this->levels() || !this->cells().contains(first))
+            return {Scalar(-1e30), Scalar(-1e30)};
         return Field::block_range(level, block);
     }
 };
@@ -385,7 +387,7 @@ TEMPLATE_TEST_CASE("clear stretch: bounds let a long flight ask for few blocks a
     const auto ground = hfh::test::hills<T>(4001, 301, 10, 37);
     const Bounded<T> bounded{ground};
     Index asked = 0, blocks = 0;
-    const Counting counting{bounded.grid, &asked, &blocks};
+    const Counting<std::remove_cvref_t<decltype(bounded.grid)>> counting{bounded.grid, &asked, &blocks};
     for (const double z : {12.0, -12.0}) {
         for (const bool back : {false, true}) {
             asked = blocks = 0;

@@ -188,16 +188,30 @@ struct Judge {
     }
 };
 
-/// How many cells the segment touches, if they are no more than two by two, each has a patch and all of these lie below
-/// `lowest`; else 0. Nine updates in ten of a stylus in free flight end here.
+/// How many cells there are around the segment, if they are no more than two by two, each has a patch and all of these
+/// lie below it; else 0. Nine updates in ten of a stylus in free flight end here, and need no exact numbers of cells:
+/// these are widened by more than the rounding of the exact walk.
 template <HeightField Field>
-[[nodiscard]] Index passes_over(const Field& field, const SplitEnds& ends, double lowest) noexcept {
-    const Cell from{ends.ax.cell, ends.ay.cell}, to{ends.bx.cell, ends.by.cell};
-    const Index columns = 1 + std::abs(to.i - from.i), rows = 1 + std::abs(to.j - from.j);
+[[nodiscard]] Index passes_over(const Field& field, const glm::dvec3& a, const glm::dvec3& b) noexcept {
+    const Lattice& lattice = field.lattice();
+    const glm::dvec2 origin = lattice.origin(), per_metre = lattice.cells_per_metre();
+    const double ax = (a.x - origin.x) * per_metre.x, ay = (a.y - origin.y) * per_metre.y,
+                 bx = (b.x - origin.x) * per_metre.x, by = (b.y - origin.y) * per_metre.y;
+    const double blur_x = 8 * epsilon<double> * (std::abs(ax) + std::abs(bx)),
+                 blur_y = 8 * epsilon<double> * (std::abs(ay) + std::abs(by));
+    const auto cell = [](double x, double y) {
+        return Cell{static_cast<Index>(std::floor(x)), static_cast<Index>(std::floor(y))};
+    };
+    const Cell from = cell(std::min(ax, bx) - blur_x, std::min(ay, by) - blur_y),
+               to = cell(std::max(ax, bx) + blur_x, std::max(ay, by) + blur_y);
+    const Index columns = 1 + to.i - from.i, rows = 1 + to.j - from.j;
     if (columns > 2 || rows > 2) return 0;
-    const auto over = [&](const Cell& cell) { return lies_below(field, cell, lowest); };
-    if (!over(from) || !over(to)) return 0;
-    if (columns + rows == 4 && (!over({from.i, to.j}) || !over({to.i, from.j}))) return 0;
+    // Clear of rounding in the exact walk, which is a few ulps.
+    const double lowest = std::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
+    if (!lies_below(field, from, lowest)) return 0;
+    if (rows == 2 && !lies_below(field, {from.i, to.j}, lowest)) return 0;
+    if (columns == 2 && !lies_below(field, {to.i, from.j}, lowest)) return 0;
+    if (columns + rows == 4 && !lies_below(field, to, lowest)) return 0;
     return columns * rows;
 }
 
@@ -237,9 +251,10 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
 }
 
 template <HeightField Field>
-void search(const Field& field, const SplitEnds& ends, const glm::dvec3& a, const glm::dvec3& b,
-            const FirstHitOptions& options, FirstHit<typename Field::Scalar>& result) noexcept {
+void search(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const FirstHitOptions& options,
+            FirstHit<typename Field::Scalar>& result) noexcept {
     Judge<Field> judge{field, a, b, options, result};
+    const SplitEnds ends{field.lattice(), {a.x, a.y}, {b.x, b.y}};
     CellWalk walk{field.lattice(), ends, {b.x - a.x, b.y - a.y}};
     const CellRange range = field.cells();
     const double columns = std::abs(walk.x.d * walk.x.per_metre),
@@ -273,18 +288,14 @@ template <HeightField Field>
                                                          const glm::dvec3& b,
                                                          const FirstHitOptions& options = {}) noexcept {
     FirstHit<typename Field::Scalar> result;
-    const Lattice& lattice = field.lattice();
-    const detail::SplitEnds ends{lattice, {a.x, a.y}, {b.x, b.y}};
-    // Clear of rounding in the exact walk, which is a few ulps.
-    const double lowest = std::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
-    if (options.side != Side::below && options.leaves_within < 0 && options.max_cells >= 4) {
-        result.cells = detail::passes_over(field, ends, lowest);
+    if (options.side != Side::below && options.max_cells >= 4) {
+        result.cells = detail::passes_over(field, a, b);
         if (result.cells > 0) {
             result.side = Side::above;
             return result;
         }
     }
-    detail::search(field, ends, a, b, options, result);
+    detail::search(field, a, b, options, result);
     return result;
 }
 
