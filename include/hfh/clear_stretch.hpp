@@ -2,6 +2,7 @@
 #define HFH_CLEAR_STRETCH_HPP
 
 #include <hfh/candidate_walker.hpp>
+#include <hfh/surface.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,7 @@
 // is left over is for `first_hit` to judge.
 //
 // The cells are looked at in columns across the longer axis of the segment (in cells). Over a column the segment
-// passes two cells as a rule, and its height is linear in the number of the grid line: no division in the loop, and no
+// passes one cell or two, and its height is linear in the number of the grid line: no division in the loop, and no
 // column waits for the one before. Every estimate is widened by a bound of its rounding, and of the rounding of the
 // exact walk, so that a column is only called clear if each of its cells would be passed by the exact walk as well.
 
@@ -19,10 +20,10 @@ namespace hfh::detail {
 /// A segment seen along its longer axis. Line k is grid line `along.base + k` of that axis.
 class Profile {
 public:
-    /// Cells across which the segment may touch between two lines, and a height that it stays above there.
+    /// Cells across which the segment may touch between two lines, and heights that it stays between there.
     struct Part {
         Index first, last;
-        double lowest;
+        double lowest, highest;
     };
 
     /// `along` and `across` are the axes of the segment, from az to bz. Precondition: it goes a cell along or more, and
@@ -42,7 +43,8 @@ public:
                      (std::abs(static_cast<double>(along.base)) + std::abs(static_cast<double>(across.base)) +
                       length + 4);
         z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_);
-        z_end_ = std::min(az, bz) - z_blur_;
+        z_low_ = std::min(az, bz) - z_blur_;
+        z_high_ = std::max(az, bz) + z_blur_;
     }
 
     /// Whether the numbers of the cells are known well enough to be of use.
@@ -52,9 +54,10 @@ public:
     [[nodiscard]] Part between(Index k, Index m) const noexcept {
         const double at_k = static_cast<double>(k), at_m = static_cast<double>(m);
         const double cell_k = cell_ + at_k * cell_step_, cell_m = cell_ + at_m * cell_step_;
-        const double z = std::min(z_ + at_k * z_step_, z_ + at_m * z_step_) - z_blur_;
+        const double z_k = z_ + at_k * z_step_, z_m = z_ + at_m * z_step_;
         return {cell(std::min(cell_k, cell_m) - cell_blur_), cell(std::max(cell_k, cell_m) + cell_blur_),
-                std::max(z, z_end_)};
+                std::max(std::min(z_k, z_m) - z_blur_, z_low_),
+                std::min(std::max(z_k, z_m) + z_blur_, z_high_)};
     }
 
     /// How many cells there are between the lines, where the segment passes no vertex.
@@ -70,23 +73,29 @@ private:
     Index base_;
     double cell_, cell_step_,
         cell_blur_; ///< across, in cells from line `base_`: on line 0, per line, how well known
-    double z_, z_step_, z_blur_, z_end_; ///< the same of the height, and the lower end
+    double z_, z_step_, z_blur_, z_low_, z_high_; ///< the same of the height, and both ends
 };
 
 /// Whether there is a patch over the cell, and all of it is below z.
 template <HeightField Field>
 [[nodiscard]] bool lies_below(const Field& field, const Cell& cell, double z) noexcept {
-    using T = typename Field::Scalar;
     const auto patch = field.patch(cell);
     if (!patch) return false;
-    // `highest`, but of values that stay in registers: a column takes half the time.
-    const T p00 = patch->p00, p10 = patch->p10, p01 = patch->p01, p11 = patch->p11;
-    const T at_v0 = p00 < p10 ? p10 : p00, at_v1 = p01 < p11 ? p11 : p01;
-    return static_cast<double>(at_v0 < at_v1 ? at_v1 : at_v0) < z;
+    // Corner by corner, not `highest`: GCC would put them into a vector and take them out again.
+    return static_cast<double>(patch->p00) < z && static_cast<double>(patch->p10) < z &&
+           static_cast<double>(patch->p01) < z && static_cast<double>(patch->p11) < z;
 }
 
+/// Columns of which the segment touches no cell, but passes all of them on one side.
+struct Stretch {
+    Index columns = 0;
+    Side side = Side::above;
+    Index looked_at = 0; ///< cells and blocks, about
+};
+
 /// Of `count` columns from column `from` on, in steps of `step` = ±1, how many the segment passes over: every cell of
-/// them that it may touch has a patch that lies below it. Columns are counted from line 0 of the profile.
+/// them that it may touch has a patch that lies below it. Columns are counted from line 0 of the profile, which is grid
+/// line `base`.
 template <bool along_x, HeightField Field>
 [[nodiscard]] Index clear_columns(const Field& field, const Profile& profile, Index base, Index from,
                                   Index step, Index count) noexcept {
@@ -97,13 +106,109 @@ template <bool along_x, HeightField Field>
             return lies_below(field, along_x ? Cell{base + column, across} : Cell{across, base + column},
                               part.lowest);
         };
-        if (!passes_over(part.first) || !passes_over(part.last)) return n;
+        if (!passes_over(part.first)) return n;
+        if (part.first != part.last && !passes_over(part.last)) return n;
         for (Index across = part.first + 1; across < part.last; ++across) { // through a vertex, or nearly
             if (!passes_over(across)) return n;
         }
     }
     return count;
 }
+
+/// Finds one stretch after the other along a segment.
+template <bool along_x, HeightField Field>
+class Stretches {
+public:
+    Stretches(const Field& field, const Profile& profile, Index base, Index step) noexcept
+        : field_{field}, profile_{profile}, base_{base}, step_{step} {}
+
+    /// From column `from` on, of the next `count`. On `side`, if it is known. Looks at `budget` cells at the most, and
+    /// up to three more.
+    [[nodiscard]] Stretch next(Index from, Index count, Index budget, Side side) noexcept {
+        // No column has more than three cells.
+        if (side == Side::below) return {};
+        const Index clear =
+            clear_columns<along_x>(field_, profile_, base_, from, step_, std::min(count, budget / 3));
+        return {clear, Side::above, clear > 0 ? looked_at(from, clear) : 0};
+    }
+
+    /// The same for a field with bounds, by blocks: larger ones where there is much room, smaller ones where there is
+    /// little, and cells in blocks of the lowest level that may be touched.
+    [[nodiscard]] Stretch next(Index from, Index count, Index budget,
+                               Side side) noexcept requires BoundedHeightField<Field> {
+        Stretch found{0, side, 0};
+        while (found.columns < count && found.looked_at < budget) {
+            const Index here = from + found.columns * step_, left = count - found.columns;
+            if ((cells_to_ - here) * step_ > 0) {
+                if (found.side == Side::below) break; // judged exactly until then
+                const Index wanted =
+                    std::min({(cells_to_ - here) * step_, left, (budget - found.looked_at + 2) / 3});
+                const Index clear = clear_columns<along_x>(field_, profile_, base_, here, step_, wanted);
+                if (clear > 0) {
+                    found.columns += clear;
+                    found.side = Side::above;
+                    found.looked_at += looked_at(here, clear);
+                }
+                if (clear < wanted) break;
+                continue;
+            }
+            const Index width = std::min(columns_left(level_, here), left);
+            const Side passes = side_of_blocks(here, width, found.looked_at);
+            if (passes != Side::none && (found.side == passes || found.side == Side::none)) {
+                found.side = passes;
+                found.columns += width;
+                const bool higher = level_ + 1 < field_.levels() &&
+                                    columns_left(level_ + 1, here + width * step_) == side_length(level_ + 1);
+                if (higher) ++level_;
+            } else if (level_ > 0) {
+                --level_;
+            } else {
+                cells_to_ = here + columns_left(0, here) * step_;
+            }
+        }
+        return found;
+    }
+
+private:
+    [[nodiscard]] Index looked_at(Index from, Index columns) const noexcept {
+        const Index line = step_ > 0 ? from : from + 1;
+        return profile_.cells(line, line + columns * step_);
+    }
+    [[nodiscard]] static constexpr Index side_length(int level) noexcept { return Index{16} << level; }
+    /// From a column to the last one of its block, both counted.
+    [[nodiscard]] Index columns_left(int level, Index column) const noexcept {
+        const Index within = (base_ + column) & (side_length(level) - 1);
+        return step_ > 0 ? side_length(level) - within : within + 1;
+    }
+    /// On which side of all blocks that it may touch over these columns of one block the segment passes, if it does.
+    [[nodiscard]] Side side_of_blocks(Index from, Index columns, Index& looked_at) const noexcept {
+        const Index first = step_ > 0 ? from : from - columns + 1, past = first + columns;
+        const Profile::Part part = profile_.between(first, past);
+        const CellRange cells = field_.cells();
+        const auto cell = [](Index along, Index across) {
+            return along_x ? Cell{along, across} : Cell{across, along};
+        };
+        ++looked_at;
+        if (!cells.contains(cell(base_ + first, part.first)) ||
+            !cells.contains(cell(base_ + past - 1, part.last))) {
+            return Side::none;
+        }
+        const int bits = 4 + level_;
+        bool above = true, below = true;
+        for (Index across = part.first >> bits; across <= part.last >> bits; ++across) {
+            const auto range = field_.block_range(level_, cell((base_ + first) >> bits, across));
+            above = above && static_cast<double>(range.highest) < part.lowest;
+            below = below && part.highest < static_cast<double>(range.lowest);
+        }
+        return above ? Side::above : below ? Side::below : Side::none;
+    }
+
+    const Field& field_;
+    const Profile& profile_;
+    Index base_, step_;
+    int level_ = 0;
+    Index cells_to_ = 0; ///< columns before this one are looked at cell by cell
+};
 
 } // namespace hfh::detail
 

@@ -32,7 +32,7 @@ struct FirstHit {
     double t = 1;            ///< how far along a → b: the crossing, or the end of what was searched
     SurfacePoint<T> point{}; ///< the crossing, if there is one
     Side side = Side::none; ///< hit: the side the segment came from; else: the side on which the search ended
-    Index cells = 0;        ///< cells looked at
+    Index cells = 0;        ///< cells looked at; of a field with bounds, cells and blocks
 };
 
 struct FirstHitOptions {
@@ -78,15 +78,12 @@ struct Judge {
     double covered_to = 0;                 // up to here there was surface all along
     double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
 
-    /// Whether the segment, if it is above at t, is so by what is known.
-    [[nodiscard]] bool may_be_above(double t) const noexcept {
-        return !leaving && (side != Side::below || t > covered_to);
-    }
-    /// The segment passes above everything up to t; `cells` were looked at.
-    void pass_over(double t, Index cells) noexcept {
-        side = Side::above;
+    /// The side of what begins at t, if it is known.
+    [[nodiscard]] Side side_at(double t) const noexcept { return t > covered_to ? Side::none : side; }
+    /// The segment is on one side of everything up to t.
+    void pass(double t, Side on) noexcept {
+        side = on;
         covered_to = t;
-        result.cells += cells;
     }
 
     /// The next cell of a walk; false if the search is over.
@@ -191,16 +188,30 @@ struct Judge {
     }
 };
 
-/// How many cells the segment touches, if they are no more than two by two, each has a patch and all of these lie below
-/// `lowest`; else 0. Nine updates in ten of a stylus in free flight end here.
+/// How many cells there are around the segment, if they are no more than two by two, each has a patch and all of these
+/// lie below it; else 0. Nine updates in ten of a stylus in free flight end here, and need no exact numbers of cells:
+/// these are widened by more than the rounding of the exact walk.
 template <HeightField Field>
-[[nodiscard]] Index passes_over(const Field& field, const SplitEnds& ends, double lowest) noexcept {
-    const Cell from{ends.ax.cell, ends.ay.cell}, to{ends.bx.cell, ends.by.cell};
-    const Index columns = 1 + std::abs(to.i - from.i), rows = 1 + std::abs(to.j - from.j);
+[[nodiscard]] Index passes_over(const Field& field, const glm::dvec3& a, const glm::dvec3& b) noexcept {
+    const Lattice& lattice = field.lattice();
+    const glm::dvec2 origin = lattice.origin(), per_metre = lattice.cells_per_metre();
+    const double ax = (a.x - origin.x) * per_metre.x, ay = (a.y - origin.y) * per_metre.y,
+                 bx = (b.x - origin.x) * per_metre.x, by = (b.y - origin.y) * per_metre.y;
+    const double blur_x = 8 * epsilon<double> * (std::abs(ax) + std::abs(bx)),
+                 blur_y = 8 * epsilon<double> * (std::abs(ay) + std::abs(by));
+    const auto cell = [](double x, double y) {
+        return Cell{static_cast<Index>(std::floor(x)), static_cast<Index>(std::floor(y))};
+    };
+    const Cell from = cell(std::min(ax, bx) - blur_x, std::min(ay, by) - blur_y),
+               to = cell(std::max(ax, bx) + blur_x, std::max(ay, by) + blur_y);
+    const Index columns = 1 + to.i - from.i, rows = 1 + to.j - from.j;
     if (columns > 2 || rows > 2) return 0;
-    const auto over = [&](const Cell& cell) { return lies_below(field, cell, lowest); };
-    if (!over(from) || !over(to)) return 0;
-    if (columns + rows == 4 && (!over({from.i, to.j}) || !over({to.i, from.j}))) return 0;
+    // Clear of rounding in the exact walk, which is a few ulps.
+    const double lowest = std::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
+    if (!lies_below(field, from, lowest)) return 0;
+    if (rows == 2 && !lies_below(field, {from.i, to.j}, lowest)) return 0;
+    if (columns == 2 && !lies_below(field, {to.i, from.j}, lowest)) return 0;
+    if (columns + rows == 4 && !lies_below(field, to, lowest)) return 0;
     return columns * rows;
 }
 
@@ -212,6 +223,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     const Profile profile{along, across, judge.a.z, judge.b.z};
     const Index first = along_x ? range.first.i : range.first.j, last = along_x ? range.last.i : range.last.j;
     const Index step = along.step, stop = std::clamp(along.last, first, last - 1) + step;
+    Stretches<along_x, Field> stretches{field, profile, along.base, step};
     // The columns from `from` to before `to` in the direction of the segment.
     const auto columns = [&](Index from, Index to) {
         const Index low = step > 0 ? from : to + 1, past = step > 0 ? to : from + 1;
@@ -220,16 +232,15 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     };
     for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = along.cell;
-        if (profile.usable() && judge.may_be_above(walk.t)) {
-            // No column has more than three cells.
-            const Index allowed = (judge.options.max_cells - judge.result.cells) / 3;
-            const Index clear = clear_columns<along_x>(field, profile, along.base, here - along.base, step,
-                                                       std::min((stop - here) * step, allowed));
-            if (clear > 0) {
-                const Index there = here + clear * step;
-                const Index from = step > 0 ? here : here + 1, to = from + clear * step; // lines
-                judge.pass_over(there == along.last + step ? 1 : along.time_at(to),
-                                profile.cells(from - along.base, to - along.base));
+        if (profile.usable() && !judge.leaving) {
+            const Stretch clear =
+                stretches.next(here - along.base, (stop - here) * step,
+                               judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));
+            judge.result.cells += clear.looked_at;
+            if (clear.columns > 0) {
+                const Index there = here + clear.columns * step;
+                judge.pass(there == along.last + step ? 1 : along.time_at(step > 0 ? there : there + 1),
+                           clear.side);
                 if (there == stop || !walk.enter(columns(there, stop))) return;
                 block = 1;
             }
@@ -240,9 +251,10 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
 }
 
 template <HeightField Field>
-void search(const Field& field, const SplitEnds& ends, const glm::dvec3& a, const glm::dvec3& b,
-            const FirstHitOptions& options, FirstHit<typename Field::Scalar>& result) noexcept {
+void search(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const FirstHitOptions& options,
+            FirstHit<typename Field::Scalar>& result) noexcept {
     Judge<Field> judge{field, a, b, options, result};
+    const SplitEnds ends{field.lattice(), {a.x, a.y}, {b.x, b.y}};
     CellWalk walk{field.lattice(), ends, {b.x - a.x, b.y - a.y}};
     const CellRange range = field.cells();
     const double columns = std::abs(walk.x.d * walk.x.per_metre),
@@ -267,24 +279,23 @@ void search(const Field& field, const SplitEnds& ends, const glm::dvec3& a, cons
 /// a hole, or on entering from outside, the side is decided afresh. A segment that begins on a solid's surface and
 /// goes down hits at t = 0; one that begins on a sheet is on the side to which it goes.
 ///
-/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max(max_cells, 4).
+/// Of a `BoundedHeightField` whole blocks are skipped that lie below the segment or above it: a few looks where there is
+/// room, for a segment of any length. The answer is the same to the bit.
+///
+/// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max(max_cells, 4) + 3.
 template <HeightField Field>
 [[nodiscard]] FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a,
                                                          const glm::dvec3& b,
                                                          const FirstHitOptions& options = {}) noexcept {
     FirstHit<typename Field::Scalar> result;
-    const Lattice& lattice = field.lattice();
-    const detail::SplitEnds ends{lattice, {a.x, a.y}, {b.x, b.y}};
-    // Clear of rounding in the exact walk, which is a few ulps.
-    const double lowest = std::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
-    if (options.side != Side::below && options.leaves_within < 0 && options.max_cells >= 4) {
-        result.cells = detail::passes_over(field, ends, lowest);
+    if (options.side != Side::below && options.max_cells >= 4) {
+        result.cells = detail::passes_over(field, a, b);
         if (result.cells > 0) {
             result.side = Side::above;
             return result;
         }
     }
-    detail::search(field, ends, a, b, options, result);
+    detail::search(field, a, b, options, result);
     return result;
 }
 
