@@ -59,7 +59,7 @@ public:
     [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
 
     /// The patch over cell c; empty outside the grid and where a corner is missing or has no finite height.
-    [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         if (!cells_.contains(c)) return std::nullopt;
         const auto s00 = heights_(c.i, c.j), s10 = heights_(c.i + 1, c.j);
         const auto s01 = heights_(c.i, c.j + 1), s11 = heights_(c.i + 1, c.j + 1);

@@ -61,7 +61,7 @@ struct DistanceFunction {
     T query_u, query_v;
     T noise_u, noise_v; ///< resolution of F_u and F_v: no descent smaller than this is believed
 
-    DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
+    [[gnu::always_inline]] DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
         : gap00{patch.p00 - query.z}, rise_u{patch.p10 - patch.p00}, rise_v{patch.p01 - patch.p00},
           far_u{patch.p11 - patch.p01}, far_v{patch.p11 - patch.p10}, twist{patch.twist()},
           dx2{patch.spacing.x * patch.spacing.x}, dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u},
@@ -90,7 +90,7 @@ struct DistanceFunction {
         T gauss_newton; ///< determinant of Eq. (11) without σ·S_uv: dx²dy² + dx²z_v² + dy²z_u², always > 0
         T determinant; ///< determinant of Eq. (11), from the one above so that it does not cancel on steep ground
     };
-    [[nodiscard]] Value operator()(T u, T v) const noexcept {
+    [[nodiscard, gnu::always_inline]] Value operator()(T u, T v) const noexcept {
         const T zu = slope_u(v), zv = slope_v(u), z = gap00 + u * rise_u + v * zv;
         const T slopes = zu * zv, bend = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
         const T gauss_newton = dx2 * fvv + dy2 * zu * zu;
@@ -129,41 +129,59 @@ enum class NewtonStep : unsigned char { refused, taken, arrived };
 
 /// Newton's step from `at`, as much of it as stays in the patch.
 ///
-/// refused: Eq. (11) is not safely positive definite, or the step does not lower F by a quarter of
-/// F_u²/F_uu + F_v²/F_vv, which is at least half of what minimising along u or v alone can give; `at` is as it was.
-/// arrived: the whole step was taken, what it leaves of F_u and F_v is below their resolution, and `gap` is σ_z there.
-/// What it leaves is known without looking: beside the rounding of the step itself the terms that Eq. (11) does not
-/// hold, A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height.
+/// refused: Eq. (11) is not safely positive definite, or F does not fall by a quarter of what its slope along the step
+/// promises; `at` is as it was. arrived: the whole step was taken, what it leaves of F_u and F_v is below their
+/// resolution, and the point is inside.
+///
+/// What a step leaves is known without looking: beside its own rounding the terms that Eq. (11) does not hold,
+/// A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height. If that is too much, the step is mended
+/// once by the same inverse, which makes it one of third order at the price of no division.
 template <Real T>
-[[nodiscard]] NewtonStep newton_step(const DistanceFunction<T>& distance,
-                                     const typename DistanceFunction<T>::Value& f, vec2<T>& at,
-                                     T& gap) noexcept {
+[[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
+                                                                const typename DistanceFunction<T>::Value& f,
+                                                                vec2<T>& at) noexcept {
     if (!(f.determinant > f.gauss_newton / 16)) return NewtonStep::refused;
-    const T scale = T(1) / f.determinant;
-    T du = (f.fuv * f.fv - f.fvv * f.fu) * scale, dv = (f.fuv * f.fu - f.fuu * f.fv) * scale;
-    T u = at.x + du, v = at.y + dv;
-    const bool whole = u >= 0 && u <= 1 && v >= 0 && v <= 1;
-    if (!whole) {
-        const T border_u = du > 0 ? T(1) : T(0), border_v = dv > 0 ? T(1) : T(0);
-        const T part_u = u < 0 || u > 1 ? (border_u - at.x) / du : T(1);
-        const T part_v = v < 0 || v > 1 ? (border_v - at.y) / dv : T(1);
-        const T part = std::min(part_u, part_v);
-        du *= part, dv *= part;
-        // The parameter that meets its border first is on it, not a rounding away.
-        u = part == part_u && part < 1 ? border_u : std::clamp(at.x + du, T(0), T(1));
-        v = part == part_v && part < 1 ? border_v : std::clamp(at.y + dv, T(0), T(1));
-    }
-    const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
-    if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;
-    at = {u, v};
+    const auto over = [&](const vec2<T>& slope) { // the step down a slope of F, times the determinant
+        return vec2<T>{f.fuv * slope.y - f.fvv * slope.x, f.fuv * slope.x - f.fuu * slope.y};
+    };
+    const auto after = [&](const vec2<T>& d) { // F_u and F_v
+        const T bent = distance.twist * d.x * d.y, climb = f.zu * d.x + f.zv * d.y + bent;
+        return vec2<T>{f.fu + f.fuu * d.x + f.fuv * d.y + (distance.twist * d.y * climb + f.zu * bent),
+                       f.fv + f.fuv * d.x + f.fvv * d.y + (distance.twist * d.x * climb + f.zv * bent)};
+    };
+    const auto nothing = [&](const vec2<T>& slope) {
+        return 2 * std::abs(slope.x) <= distance.noise_u && 2 * std::abs(slope.y) <= distance.noise_v;
+    };
+    const auto inside = [](const vec2<T>& p) { return p.x > 0 && p.x < 1 && p.y > 0 && p.y < 1; };
 
-    const T bent = distance.twist * du * dv, climb = f.zu * du + f.zv * dv + bent;
-    const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
-    const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
-    gap = f.z + climb;
-    return whole && 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
-               ? NewtonStep::arrived
-               : NewtonStep::taken;
+    const vec2<T> way = over({f.fu, f.fv});
+    const T scale = T(1) / f.determinant;
+    vec2<T> step = way * scale, to = at + step;
+    bool arrived = false;
+    if (inside(to)) {
+        vec2<T> left = after(step);
+        arrived = nothing(left);
+        if (!arrived) {
+            const vec2<T> mended = step + over(left) * scale;
+            if (inside(at + mended)) {
+                step = mended, to = at + mended;
+                arrived = nothing(after(step));
+            }
+        }
+    } else {
+        // Up to the border that it meets first. These divisions do not wait for the one above.
+        const vec2<T> border{way.x > 0 ? T(1) : T(0), way.y > 0 ? T(1) : T(0)};
+        const T part_u = std::abs(border.x - at.x) / std::abs(way.x);
+        const T part_v = std::abs(border.y - at.y) / std::abs(way.y);
+        // The parameter that meets its border first is on it, not a rounding away.
+        to = part_v < part_u ? vec2<T>{std::clamp(at.x + way.x * part_v, T(0), T(1)), border.y}
+                             : vec2<T>{border.x, std::clamp(at.y + way.y * part_u, T(0), T(1))};
+        step = to - at;
+    }
+    const T promised = f.fu * step.x + f.fv * step.y;
+    if (!(promised < 0 && 4 * distance.change(f, step.x, step.y) <= promised)) return NewtonStep::refused;
+    at = to;
+    return arrived ? NewtonStep::arrived : NewtonStep::taken;
 }
 
 /// A step along the floor of a bent valley: the curve on which the stiffer parameter is at its best for each value
@@ -188,6 +206,35 @@ template <Real T>
     return false;
 }
 
+/// What may move at a point: a component whose derivative is more than noise and does not push across the border.
+struct Freedom {
+    bool pulls_u, pulls_v; ///< F falls along u, along v
+    bool held_u, held_v;   ///< on the border, out of which F falls along u, along v
+
+    template <Real T>
+    Freedom(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
+            const vec2<T>& at) noexcept
+        : pulls_u{std::abs(f.fu) > distance.noise_u}, pulls_v{std::abs(f.fv) > distance.noise_v},
+          held_u{f.fu > 0 ? at.x <= 0 : at.x >= 1}, held_v{f.fv > 0 ? at.y <= 0 : at.y >= 1} {}
+
+    [[nodiscard]] bool none() const noexcept { return !(pulls_u && !held_u) && !(pulls_v && !held_v); }
+    [[nodiscard]] bool inside() const noexcept { return !held_u && !held_v; }
+};
+
+/// The step where Newton's will not do: along the floor of the valley, or along u or v alone, whichever is worth more.
+template <Real T>
+[[gnu::noinline]] void cautious_step(const DistanceFunction<T>& distance,
+                                     const typename DistanceFunction<T>::Value& f, const Freedom& may,
+                                     vec2<T>& at) noexcept {
+    const bool free_u = may.pulls_u && !may.held_u, free_v = may.pulls_v && !may.held_v;
+    const T u = free_u ? std::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
+    const T v = free_v ? std::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
+    const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);
+    if (may.inside() && valley_step(distance, f, std::min(gain_u, gain_v), at)) return;
+    const bool along_u = free_u && (!free_v || gain_u <= gain_v);
+    at = along_u ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
+}
+
 } // namespace detail
 
 /// The local closest point of §4.3.2 on one closed patch, downhill from `start`.
@@ -207,44 +254,30 @@ template <Real T>
     NewtonResult<T> foot{start.x, start.y};
     for (;; ++foot.iterations) {
         const auto f = distance(foot.u, foot.v);
+        const detail::Freedom may{distance, f, {foot.u, foot.v}};
         foot.gap = f.z;
-
-        // A component may move if its derivative is more than noise and does not push across the border.
-        const bool pulls_u = std::abs(f.fu) > distance.noise_u, pulls_v = std::abs(f.fv) > distance.noise_v;
-        const bool held_u = f.fu > 0 ? foot.u <= 0 : foot.u >= 1;
-        const bool held_v = f.fv > 0 ? foot.v <= 0 : foot.v >= 1;
-        const bool free_u = pulls_u && !held_u, free_v = pulls_v && !held_v;
-        const bool ended = !free_u && !free_v;
-        if (options.border == BorderRule::stop && (foot.iterations > 0 || ended) &&
-            ((pulls_u && held_u) || (pulls_v && held_v))) {
+        if (options.border == BorderRule::stop && (foot.iterations > 0 || may.none()) &&
+            ((may.pulls_u && may.held_u) || (may.pulls_v && may.held_v))) {
             foot.status = NewtonStatus::at_border;
             return foot;
         }
-        if (ended) return foot;
+        if (may.none()) return foot;
 
         if (foot.iterations == options.max_iterations) {
             foot.status = NewtonStatus::iteration_limit;
             return foot;
         }
         vec2<T> next{foot.u, foot.v};
-        const bool inside = !held_u && !held_v;
-        const auto step =
-            inside ? detail::newton_step(distance, f, next, foot.gap) : detail::NewtonStep::refused;
-        if (step == detail::NewtonStep::arrived)
-            return {next.x, next.y, foot.gap, NewtonStatus::converged, foot.iterations + 1};
-        if (step == detail::NewtonStep::refused) {
-            const T u = free_u ? std::clamp(foot.u - f.fu / f.fuu, T(0), T(1)) : foot.u;
-            const T v = free_v ? std::clamp(foot.v - f.fv / f.fvv, T(0), T(1)) : foot.v;
-            const T gain_u = distance.change(f, u - foot.u, T(0)),
-                    gain_v = distance.change(f, T(0), v - foot.v);
-            if (!inside || !detail::valley_step(distance, f, std::min(gain_u, gain_v), next)) {
-                const bool along_u = free_u && (!free_v || gain_u <= gain_v);
-                next = along_u ? vec2<T>{u, foot.v} : vec2<T>{foot.u, v};
-            }
-        }
+        const auto step = may.inside() ? detail::newton_step(distance, f, next) : detail::NewtonStep::refused;
+        if (step == detail::NewtonStep::refused) detail::cautious_step(distance, f, may, next);
         if (next.x == foot.u && next.y == foot.v) return foot; // below the resolution of u and v
         foot.u = next.x;
         foot.v = next.y;
+        if (step == detail::NewtonStep::arrived) {
+            ++foot.iterations;
+            foot.gap = distance.gap(foot.u, foot.v);
+            return foot;
+        }
     }
 }
 

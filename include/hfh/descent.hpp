@@ -36,19 +36,34 @@ struct DescentResult {
 
 namespace detail {
 
-/// A surface point with its patch, and the query as its cell sees it.
+/// A surface point in its patch, and the distance to the query there.
 template <Real T>
 struct Foothold {
-    SurfacePoint<T> point{};
-    BilinearPatch<T> patch{};
-    CellPoint<T> query{};
+    SurfacePoint<T> point;
+    vec2<T> spacing;
+    DistanceFunction<T> distance;
+
+    [[nodiscard]] vec2<T> where() const noexcept { return {point.u, point.v}; }
+    /// Surface point − query, in metres.
+    [[nodiscard]] vec3<T> offset() const noexcept {
+        return {spacing.x * (point.u - distance.query_u), spacing.y * (point.v - distance.query_v),
+                distance.gap(point.u, point.v)};
+    }
+    /// Unit normal of the patch: S_u × S_v over its length.
+    [[nodiscard]] vec3<T> normal() const noexcept {
+        const T x = distance.slope_u(point.v) * spacing.y, y = distance.slope_v(point.u) * spacing.x;
+        const T z = spacing.x * spacing.y, scale = T(1) / std::sqrt(x * x + y * y + z * z);
+        return {-x * scale, -y * scale, z * scale};
+    }
 };
 
-/// Surface point − query, in metres.
-template <Real T>
-[[nodiscard]] vec3<T> offset(const Foothold<T>& at) noexcept {
-    return {at.patch.spacing.x * (at.point.u - at.query.u), at.patch.spacing.y * (at.point.v - at.query.v),
-            DistanceFunction<T>{at.patch, at.query}.gap(at.point.u, at.point.v)};
+/// Empty where there is no patch.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::always_inline]] inline std::optional<Foothold<T>>
+stand(const Field& field, const vec3<T>& query, const SurfacePoint<T>& point) noexcept {
+    const auto patch = field.patch(point.cell);
+    if (!patch) return std::nullopt;
+    return Foothold<T>{point, patch->spacing, {*patch, field.lattice().locate(query, point.cell)}};
 }
 
 /// A step to a neighbouring cell; {0, 0} stays.
@@ -83,10 +98,10 @@ template <Real T>
 /// How steeply F falls from a point into its patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
 /// and may move. 0 if F does not fall across the border by which `entry` comes in (no border, if it stays).
 template <Real T>
-[[nodiscard]] T fall_into(const Foothold<T>& at, Neighbour entry) noexcept {
-    const DistanceFunction<T> distance{at.patch, at.query};
+[[nodiscard]] T fall_into(const Foothold<T>& at, const typename DistanceFunction<T>::Value& f,
+                          Neighbour entry) noexcept {
+    const auto& distance = at.distance;
     const T u = at.point.u, v = at.point.v;
-    const auto f = distance(u, v);
     const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
     const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
     const bool stays = entry.di == 0 && entry.dj == 0;
@@ -94,53 +109,102 @@ template <Real T>
     return (falls_u ? f.fu * f.fu / f.fuu : T(0)) + (falls_v ? f.fv * f.fv / f.fvv : T(0));
 }
 
-/// What is around a point on the border of its patch.
-template <Real T>
-struct Surroundings {
-    Foothold<T> steepest{}; ///< the neighbour into which F falls most steeply, if `leads_down`
-    bool leads_down = false;
-    DescentStatus rim = DescentStatus::minimum; ///< off_…: a patch is missing on the side where the query is
-    int patches = 0;
-};
-
-/// Looks for a neighbour into which F falls more steeply than `fall`.
+/// What a missing neighbour means: off_… if the query is on its side.
 template <HeightField Field, Real T>
-[[nodiscard]] Surroundings<T> look_around(const Field& field, const vec3<T>& query, const Foothold<T>& at,
-                                          T fall) noexcept {
-    Surroundings<T> around;
-    for (const Neighbour n : Neighbours{at.point.u, at.point.v}) {
-        Foothold<T> there{.point = seen_from(n, at.point)};
-        const auto patch = field.patch(there.point.cell);
-        ++around.patches;
-        if (!patch) {
-            const bool beyond_u = n.di == 0 || (n.di > 0 ? at.query.u > 1 : at.query.u < 0);
-            const bool beyond_v = n.dj == 0 || (n.dj > 0 ? at.query.v > 1 : at.query.v < 0);
-            if (beyond_u && beyond_v) {
-                around.rim = field.cells().contains(there.point.cell) ? DescentStatus::off_hole
-                                                                      : DescentStatus::off_border;
-            }
-            continue;
-        }
-        there.patch = *patch;
-        there.query = field.lattice().locate(query, there.point.cell);
-        if (const T fall_there = fall_into(there, n); fall_there > fall) {
-            fall = fall_there;
-            around.steepest = there;
-            around.leads_down = true;
-        }
-    }
-    return around;
+[[nodiscard]] DescentStatus rim(const Field& field, const Foothold<T>& at, Neighbour n) noexcept {
+    const T u = at.distance.query_u, v = at.distance.query_v;
+    const bool beyond_u = n.di == 0 || (n.di > 0 ? u > 1 : u < 0);
+    const bool beyond_v = n.dj == 0 || (n.dj > 0 ? v > 1 : v < 0);
+    if (!beyond_u || !beyond_v) return DescentStatus::minimum;
+    return field.cells().contains(seen_from(n, at.point).cell) ? DescentStatus::off_hole
+                                                               : DescentStatus::off_border;
 }
 
-/// Sets normal and outward of a result whose point is `at`.
-template <HeightField Field, Real T>
-void tell_side(const Field& field, const Foothold<T>& at, DescentResult<T>& result) noexcept {
-    const T u = at.point.u, v = at.point.v;
-    result.normal = at.patch.normal(u, v);
-    result.outward = glm::dot(result.offset, result.normal);
-    const Neighbours neighbours{u, v};
-    if (neighbours.count == 0) return;
+enum class Way : unsigned char {
+    on,    ///< F falls into the patch of the foothold, which may be another one than before
+    moved, ///< along the edge on which the foothold was pinned, nearer; look again from there
+    ended  ///< no way down
+};
 
+/// From a point on an edge: over it, if F falls more steeply there; or back; or along it, if neither side leads down.
+/// `f` is the value of F at `at` before and, unless moved, after.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::always_inline]] inline Way
+from_edge(const Field& field, const vec3<T>& query, Foothold<T>& at, typename DistanceFunction<T>::Value& f,
+          DescentResult<T>& result) noexcept {
+    const bool over_u = at.point.u <= 0 || at.point.u >= 1;
+    const Neighbour n =
+        over_u ? Neighbour{at.point.u <= 0 ? -1 : 1, 0} : Neighbour{0, at.point.v <= 0 ? -1 : 1};
+    const bool forth = n.di + n.dj > 0;
+    auto there = stand(field, query, seen_from(n, at.point));
+    ++result.patches;
+    result.status = there ? DescentStatus::minimum : rim(field, at, n);
+
+    // Along the edge F is the same for both; what differs is how it falls across.
+    const auto across = [&](const DistanceFunction<T>& distance, const auto& value, bool forth_is_down,
+                            T& slope, T& curvature) {
+        slope = over_u ? value.fu : value.fv;
+        curvature = over_u ? value.fuu : value.fvv;
+        const T noise = over_u ? distance.noise_u : distance.noise_v;
+        return forth_is_down ? slope < -noise : slope > noise;
+    };
+    T slope, curvature;
+    const bool back = across(at.distance, f, !forth, slope, curvature);
+    if (there) {
+        const auto g = there->distance(there->point.u, there->point.v);
+        T slope_there, curvature_there;
+        const bool over = across(there->distance, g, forth, slope_there, curvature_there);
+        if (over && (!back || slope_there * slope_there * curvature > slope * slope * curvature_there)) {
+            at = *there;
+            f = g;
+            return Way::on;
+        }
+    }
+    if (back) return Way::on;
+    if (over_u) {
+        const T v = std::abs(f.fv) > at.distance.noise_v ? at.distance.best_v(at.point.u) : at.point.v;
+        if (v == at.point.v) return Way::ended;
+        at.point.v = v;
+    } else {
+        const T u = std::abs(f.fu) > at.distance.noise_u ? at.distance.best_u(at.point.v) : at.point.u;
+        if (u == at.point.u) return Way::ended;
+        at.point.u = u;
+    }
+    return Way::moved;
+}
+
+/// From a vertex: into the patch of the four into which F falls most steeply.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::noinline]] Way from_vertex(const Field& field, const vec3<T>& query, Foothold<T>& at,
+                                             typename DistanceFunction<T>::Value& f,
+                                             DescentResult<T>& result) noexcept {
+    T fall = fall_into(at, f, {0, 0});
+    const Foothold<T> here = at;
+    result.status = DescentStatus::minimum;
+    for (const Neighbour n : Neighbours{here.point.u, here.point.v}) {
+        const auto there = stand(field, query, seen_from(n, here.point));
+        ++result.patches;
+        if (!there) {
+            if (const auto missing = rim(field, here, n); missing != DescentStatus::minimum)
+                result.status = missing;
+            continue;
+        }
+        const auto g = there->distance(there->point.u, there->point.v);
+        if (const T fall_there = fall_into(*there, g, n); fall_there > fall) {
+            fall = fall_there;
+            at = *there;
+            f = g;
+        }
+    }
+    return fall > 0 ? Way::on : Way::ended;
+}
+
+/// Completes normal and outward of a result whose point is `at`, on the border of its patch.
+template <HeightField Field, Real T>
+[[gnu::noinline]] void tell_side(const Field& field, const Foothold<T>& at,
+                                 DescentResult<T>& result) noexcept {
+    const T u = at.point.u, v = at.point.v;
+    const Neighbours neighbours{u, v};
     int patches = 1;
     T crease = 0; // by how much the slopes, in metres per metre, rise from one side of the point to the other
     for (const Neighbour n : neighbours) {
@@ -149,10 +213,8 @@ void tell_side(const Field& field, const Foothold<T>& at, DescentResult<T>& resu
         if (!patch) continue;
         ++patches;
         result.normal += patch->normal(there.u, there.v);
-        if (n.dj == 0)
-            crease += T(n.di) * (patch->slope_u(there.v) - at.patch.slope_u(v)) / at.patch.spacing.x;
-        if (n.di == 0)
-            crease += T(n.dj) * (patch->slope_v(there.u) - at.patch.slope_v(u)) / at.patch.spacing.y;
+        if (n.dj == 0) crease += T(n.di) * (patch->slope_u(there.v) - at.distance.slope_u(v)) / at.spacing.x;
+        if (n.di == 0) crease += T(n.dj) * (patch->slope_v(there.u) - at.distance.slope_v(u)) / at.spacing.y;
     }
     const T sum = glm::length(result.normal);
     result.normal /= sum;
@@ -181,57 +243,70 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
     using T = typename Field::Scalar;
     DescentResult<T> result;
     result.point = start;
-    const auto patch = field.patch(start.cell);
     result.patches = 1;
-    if (!patch) {
+    auto found = detail::stand(field, query, start);
+    if (!found) {
         result.status = DescentStatus::off_hole;
         return result;
     }
 
-    detail::Foothold<T> at{start, *patch, field.lattice().locate(query, start.cell)};
+    detail::Foothold<T>& at = *found;
+    auto f = at.distance(start.u, start.v);
     T nearest = std::numeric_limits<T>::max();
     int stalls = 0; // visits to a border without having come nearer
+    int steps = 0;  // in this patch
     for (;;) {
-        if (on_border(at.point)) {
+        const bool border = on_border(at.point);
+        if (border) {
             // Along a sharp crease two patches can hand the point back and forth for the last bits.
-            const vec3<T> offset = detail::offset(at);
+            const vec3<T> offset = at.offset();
             const T squared = glm::dot(offset, offset);
             stalls = squared < nearest ? 0 : stalls + 1;
             nearest = std::min(nearest, squared);
             if (stalls == 8) break;
 
-            const T fall = detail::fall_into(at, {0, 0});
-            const auto around = detail::look_around(field, query, at, fall);
-            result.patches += around.patches;
-            result.status = around.rim;
-            if (around.leads_down) {
-                at = around.steepest;
-            } else if (fall == 0) {
-                break;
+            const Cell before = at.point.cell;
+            const bool vertex = detail::Neighbours{at.point.u, at.point.v}.count == 3;
+            const auto way = vertex ? detail::from_vertex(field, query, at, f, result)
+                                    : detail::from_edge(field, query, at, f, result);
+            if (way == detail::Way::ended) break;
+            if (way == detail::Way::moved) {
+                f = at.distance(at.point.u, at.point.v);
+                continue;
             }
+            if (at.point.cell != before) steps = 0;
         }
-        const auto foot =
-            newton_closest_point(at.patch, at.query, {at.point.u, at.point.v}, {.border = BorderRule::stop});
-        const bool moved = foot.u != at.point.u || foot.v != at.point.v;
-        at.point.u = foot.u;
-        at.point.v = foot.v;
-        if (foot.status == NewtonStatus::iteration_limit) {
-            result.status = DescentStatus::work_limit;
-            break;
-        }
-        if (!moved) break;
-        if (!on_border(at.point)) {
+        const detail::Freedom may{at.distance, f, at.where()};
+        if (may.none()) {
             result.status = DescentStatus::minimum;
             break;
         }
-        if (result.patches >= max_patches) {
+        if (steps++ == NewtonOptions{}.max_iterations) {
             result.status = DescentStatus::work_limit;
             break;
         }
+        vec2<T> to = at.where();
+        const auto step =
+            may.inside() ? detail::newton_step(at.distance, f, to) : detail::NewtonStep::refused;
+        if (step == detail::NewtonStep::refused) detail::cautious_step(at.distance, f, may, to);
+        if (to == at.where()) break; // below the resolution of u and v
+        at.point.u = to.x;
+        at.point.v = to.y;
+        if (step == detail::NewtonStep::arrived) {
+            result.status = DescentStatus::minimum;
+            break;
+        }
+        if (result.patches >= max_patches && on_border(at.point)) {
+            result.status = DescentStatus::work_limit;
+            break;
+        }
+        f = at.distance(to.x, to.y);
     }
     result.point = at.point;
-    result.offset = detail::offset(at);
-    detail::tell_side(field, at, result);
+    result.offset = at.offset();
+    result.normal = at.normal();
+    result.outward = glm::dot(result.offset, result.normal);
+    if (on_border(at.point)) detail::tell_side(field, at, result);
     return result;
 }
 
