@@ -15,8 +15,8 @@ set(order
     bilinear_grid
     force_evaluator
     hfh
-    device)
-
+    device
+    damping force_shading level_beyond)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

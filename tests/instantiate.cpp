@@ -2,7 +2,10 @@
 // enough shows at link time, what only compiles when unused shows here. Compiled a second time without exceptions and
 // without RTTI.
 
+#include <hfh/damping.hpp>
+#include <hfh/force_shading.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/level_beyond.hpp>
 
 #include <cstdint>
 
@@ -18,6 +21,10 @@ template struct Contact<float>;
 template struct Contact<double>;
 template struct ForceEvaluator<float>;
 template struct ForceEvaluator<double>;
+template struct Damping<float>;
+template struct Damping<double>;
+template class VelocityFilter<float>;
+template class VelocityFilter<double>;
 template struct NewtonResult<float>;
 template struct NewtonResult<double>;
 template struct DistanceFunction<float>;
@@ -36,6 +43,8 @@ template struct TrackerState<double>;
     template class BilinearGrid<double, HeightView<S>>;                                                      \
     template class BilinearGrid<float, HeightView<S, MissingValue<S>>>;                                      \
     template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
+    template class LevelBeyond<BilinearGrid<float, HeightView<S>>>;                                          \
+    template class LevelBeyond<BilinearGrid<double, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
@@ -72,9 +81,13 @@ template <Real T, Sample S>
     const auto nearest = global_closest_point(BilinearPatch<T>{}, CellPoint<T>{});
     const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
     const auto contact = tracker.update({T(1), T(1), T(300)});
-    return seen > 0 && hit.cells > 0 && foot.iterations + end.patches > 0 && nearest.u >= 0 &&
-           is_finite(force(contact).newtons) && holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&
-           to_string(contact.status) != nullptr;
+    const LevelBeyond level{holed_grid};
+    ProxyTracker level_tracker{level};
+    const auto shaded = shade_force(level, level_tracker.update({T(1), T(1), T(1)}));
+    const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
+    return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
+           nearest.u >= 0 && is_finite(force(contact).newtons) &&
+           holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 && to_string(contact.status) != nullptr;
 }
 
 } // namespace

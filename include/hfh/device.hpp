@@ -56,9 +56,9 @@ concept DeviceTick = requires(F& tick, const DeviceSample& sample) {
 // clang-format off
 template <class D>
 concept Device = requires(D& device, DeviceCommand (&tick)(const DeviceSample&)) {
-        { device.capabilities() } noexcept -> std::same_as<DeviceCapabilities>;
-        { device.run(tick) } -> std::same_as<DeviceEnd>;
-    };
+    { device.capabilities() } noexcept -> std::same_as<DeviceCapabilities>;
+    { device.run(tick) } -> std::same_as<DeviceEnd>;
+};
 // clang-format on
 
 } // namespace hfh

@@ -30,29 +30,6 @@ concept HeightField = Real<typename F::Scalar>
     };
 // clang-format on
 
-/// Heights in metres between which a piece of surface lies.
-template <Real T>
-struct HeightRange {
-    T lowest, highest;
-};
-
-/// A height field that can bound its heights over blocks of cells, so that a long search skips what lies far below or
-/// above it. The cells of such a field are numbered from {0, 0}. Block (I, J) of level l holds the cells
-///
-///     I·2ᵇ ≤ i < (I+1)·2ᵇ,  J·2ᵇ ≤ j < (J+1)·2ᵇ,  b = 4 + l,  0 ≤ l < levels()
-///
-/// as far as they are in cells(), and has at least one of them; at the highest level it holds all. Every cell of it
-/// holds a patch, and `block_range` bounds them all; where one is missing the range is [lowest, max] of Scalar, which
-/// bounds nothing.
-// clang-format off
-template <class F>
-concept BoundedHeightField = HeightField<F>
-    && requires(const F& field, int level, Cell block) {
-        { field.levels() } noexcept -> std::same_as<int>;
-        { field.block_range(level, block) } noexcept -> std::same_as<HeightRange<typename F::Scalar>>;
-    };
-// clang-format on
-
 } // namespace hfh
 
 #endif // HFH_HEIGHT_FIELD_HPP
