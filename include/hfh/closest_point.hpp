@@ -116,6 +116,12 @@ struct DistanceFunction {
         return std::clamp((dy2 * query_v - gap(u, T(0)) * zv) / (dy2 + zv * zv), T(0), T(1));
     }
 
+    /// |σ|² = 2 F at (u, v), where σ_z is z.
+    [[nodiscard]] T squared(T u, T v, T z) const noexcept {
+        const T x = u - query_u, y = v - query_v;
+        return dx2 * x * x + dy2 * y * y + z * z;
+    }
+
     /// F(u + du, v + dv) − F(u, v): a quartic along the step, written so that nothing cancels.
     [[nodiscard]] T change(const Value& at, T du, T dv) const noexcept {
         const T z1 = at.zu * du + at.zv * dv, z2 = twist * du * dv, dz = z1 + z2;
@@ -125,63 +131,53 @@ struct DistanceFunction {
 
 namespace detail {
 
-enum class NewtonStep : unsigned char { refused, taken, arrived };
+enum class NewtonStep : unsigned char { refused, arrived, inside, to_border, barely_to_border };
 
 /// Newton's step from `at`, as much of it as stays in the patch.
 ///
-/// refused: Eq. (11) is not safely positive definite, or F does not fall by a quarter of what its slope along the step
-/// promises; `at` is as it was. arrived: the whole step was taken, what it leaves of F_u and F_v is below their
-/// resolution, and the point is inside.
-///
-/// What a step leaves is known without looking: beside its own rounding the terms that Eq. (11) does not hold,
-/// A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height. If that is too much, the step is mended
-/// once by the same inverse, which makes it one of third order at the price of no division.
+/// refused: Eq. (11) is not safely positive definite, or the step is not worth its while: it does not lower F by a
+/// quarter of F_u²/F_uu + F_v²/F_vv, which is at least half of what minimising along u or v alone can give; `at` is as
+/// it was.
+/// inside, arrived: the whole step was taken; arrived, if what it leaves of F_u and F_v is below their resolution.
+/// That is known without looking: beside the rounding of the step itself the terms that Eq. (11) does not hold,
+/// A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height.
+/// to_border, barely_to_border: up to the border that it meets first; barely, if that lowers F by a quarter of what its
+/// slope promises, but is worth its while only if the surface goes on there.
 template <Real T>
 [[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
                                                                 const typename DistanceFunction<T>::Value& f,
                                                                 vec2<T>& at) noexcept {
     if (!(f.determinant > f.gauss_newton / 16)) return NewtonStep::refused;
-    const auto over = [&](const vec2<T>& slope) { // the step down a slope of F, times the determinant
-        return vec2<T>{f.fuv * slope.y - f.fvv * slope.x, f.fuv * slope.x - f.fuu * slope.y};
-    };
-    const auto after = [&](const vec2<T>& d) { // F_u and F_v
-        const T bent = distance.twist * d.x * d.y, climb = f.zu * d.x + f.zv * d.y + bent;
-        return vec2<T>{f.fu + f.fuu * d.x + f.fuv * d.y + (distance.twist * d.y * climb + f.zu * bent),
-                       f.fv + f.fuv * d.x + f.fvv * d.y + (distance.twist * d.x * climb + f.zv * bent)};
-    };
-    const auto nothing = [&](const vec2<T>& slope) {
-        return 2 * std::abs(slope.x) <= distance.noise_u && 2 * std::abs(slope.y) <= distance.noise_v;
-    };
-    const auto inside = [](const vec2<T>& p) { return p.x > 0 && p.x < 1 && p.y > 0 && p.y < 1; };
-
-    const vec2<T> way = over({f.fu, f.fv});
+    // The step times the determinant: where this meets a border is known without waiting for the quotient.
+    const T way_u = f.fuv * f.fv - f.fvv * f.fu, way_v = f.fuv * f.fu - f.fuu * f.fv;
     const T scale = T(1) / f.determinant;
-    vec2<T> step = way * scale, to = at + step;
-    bool arrived = false;
-    if (inside(to)) {
-        vec2<T> left = after(step);
-        arrived = nothing(left);
-        if (!arrived) {
-            const vec2<T> mended = step + over(left) * scale;
-            if (inside(at + mended)) {
-                step = mended, to = at + mended;
-                arrived = nothing(after(step));
-            }
-        }
-    } else {
-        // Up to the border that it meets first. These divisions do not wait for the one above.
-        const vec2<T> border{way.x > 0 ? T(1) : T(0), way.y > 0 ? T(1) : T(0)};
-        const T part_u = std::abs(border.x - at.x) / std::abs(way.x);
-        const T part_v = std::abs(border.y - at.y) / std::abs(way.y);
+    T du = way_u * scale, dv = way_v * scale;
+    vec2<T> to{at.x + du, at.y + dv};
+    const bool whole = to.x >= 0 && to.x <= 1 && to.y >= 0 && to.y <= 1;
+    if (!whole) {
+        const T border_u = way_u > 0 ? T(1) : T(0), border_v = way_v > 0 ? T(1) : T(0);
+        const T never = std::numeric_limits<T>::max();
+        const T part_u = way_u != 0 ? (border_u - at.x) / way_u : never;
+        const T part_v = way_v != 0 ? (border_v - at.y) / way_v : never;
         // The parameter that meets its border first is on it, not a rounding away.
-        to = part_v < part_u ? vec2<T>{std::clamp(at.x + way.x * part_v, T(0), T(1)), border.y}
-                             : vec2<T>{border.x, std::clamp(at.y + way.y * part_u, T(0), T(1))};
-        step = to - at;
+        to = part_u < part_v ? vec2<T>{border_u, std::clamp(at.y + part_u * way_v, T(0), T(1))}
+                             : vec2<T>{std::clamp(at.x + part_v * way_u, T(0), T(1)), border_v};
+        du = to.x - at.x, dv = to.y - at.y;
     }
-    const T promised = f.fu * step.x + f.fv * step.y;
-    if (!(promised < 0 && 4 * distance.change(f, step.x, step.y) <= promised)) return NewtonStep::refused;
+    const T slope = f.fu * du + f.fv * dv, bent = distance.twist * du * dv;
+    const T climb = f.zu * du + f.zv * dv + bent;
+    const T change =
+        slope + f.z * bent + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
+    const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
+    const bool enough = 4 * change * f.fuu * f.fvv <= -worth;
+    if (!enough && (whole || !(slope < 0 && 4 * change <= slope))) return NewtonStep::refused;
     at = to;
-    return arrived ? NewtonStep::arrived : NewtonStep::taken;
+    if (!whole) return enough ? NewtonStep::to_border : NewtonStep::barely_to_border;
+    const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
+    const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
+    return 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
+               ? NewtonStep::arrived
+               : NewtonStep::inside;
 }
 
 /// A step along the floor of a bent valley: the curve on which the stiffer parameter is at its best for each value
@@ -206,10 +202,10 @@ template <Real T>
     return false;
 }
 
-/// What may move at a point: a component whose derivative is more than noise and does not push across the border.
+/// What may move at a point: a parameter along which F falls by more than noise, and not out of the patch.
 struct Freedom {
     bool pulls_u, pulls_v; ///< F falls along u, along v
-    bool held_u, held_v;   ///< on the border, out of which F falls along u, along v
+    bool held_u, held_v;   ///< on a border, out of which F falls along u, along v
 
     template <Real T>
     Freedom(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
@@ -219,20 +215,22 @@ struct Freedom {
 
     [[nodiscard]] bool none() const noexcept { return !(pulls_u && !held_u) && !(pulls_v && !held_v); }
     [[nodiscard]] bool inside() const noexcept { return !held_u && !held_v; }
+    /// F falls beyond the border.
+    [[nodiscard]] bool beyond() const noexcept { return (pulls_u && held_u) || (pulls_v && held_v); }
 };
 
-/// The step where Newton's will not do: along the floor of the valley, or along u or v alone, whichever is worth more.
+/// Where to go from `at` if Newton's step will not do: along the floor of the valley, or to the minimum along u or v
+/// alone, whichever is worth more.
 template <Real T>
-[[gnu::noinline]] void cautious_step(const DistanceFunction<T>& distance,
-                                     const typename DistanceFunction<T>::Value& f, const Freedom& may,
-                                     vec2<T>& at) noexcept {
+[[nodiscard, gnu::noinline]] vec2<T> cautious_step(DistanceFunction<T> distance, vec2<T> at) noexcept {
+    const auto f = distance(at.x, at.y);
+    const Freedom may{distance, f, at};
     const bool free_u = may.pulls_u && !may.held_u, free_v = may.pulls_v && !may.held_v;
     const T u = free_u ? std::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
     const T v = free_v ? std::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
     const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);
-    if (may.inside() && valley_step(distance, f, std::min(gain_u, gain_v), at)) return;
-    const bool along_u = free_u && (!free_v || gain_u <= gain_v);
-    at = along_u ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
+    if (may.inside() && valley_step(distance, f, std::min(gain_u, gain_v), at)) return at;
+    return free_u && (!free_v || gain_u <= gain_v) ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
 }
 
 } // namespace detail
@@ -253,11 +251,11 @@ template <Real T>
     const DistanceFunction<T> distance{patch, query};
     NewtonResult<T> foot{start.x, start.y};
     for (;; ++foot.iterations) {
-        const auto f = distance(foot.u, foot.v);
-        const detail::Freedom may{distance, f, {foot.u, foot.v}};
+        vec2<T> at{foot.u, foot.v};
+        const auto f = distance(at.x, at.y);
         foot.gap = f.z;
-        if (options.border == BorderRule::stop && (foot.iterations > 0 || may.none()) &&
-            ((may.pulls_u && may.held_u) || (may.pulls_v && may.held_v))) {
+        const detail::Freedom may{distance, f, at};
+        if (options.border == BorderRule::stop && (foot.iterations > 0 || may.none()) && may.beyond()) {
             foot.status = NewtonStatus::at_border;
             return foot;
         }
@@ -267,15 +265,16 @@ template <Real T>
             foot.status = NewtonStatus::iteration_limit;
             return foot;
         }
-        vec2<T> next{foot.u, foot.v};
-        const auto step = may.inside() ? detail::newton_step(distance, f, next) : detail::NewtonStep::refused;
-        if (step == detail::NewtonStep::refused) detail::cautious_step(distance, f, may, next);
-        if (next.x == foot.u && next.y == foot.v) return foot; // below the resolution of u and v
-        foot.u = next.x;
-        foot.v = next.y;
-        if (step == detail::NewtonStep::arrived) {
+        using enum detail::NewtonStep;
+        const auto step = may.inside() ? detail::newton_step(distance, f, at) : refused;
+        if (step == refused || step == barely_to_border)
+            at = detail::cautious_step(distance, {foot.u, foot.v});
+        if (at.x == foot.u && at.y == foot.v) return foot; // below the resolution of u and v
+        foot.u = at.x;
+        foot.v = at.y;
+        if (step == arrived) {
+            foot.gap = distance.gap(at.x, at.y);
             ++foot.iterations;
-            foot.gap = distance.gap(foot.u, foot.v);
             return foot;
         }
     }
