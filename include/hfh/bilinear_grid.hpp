@@ -60,7 +60,7 @@ public:
     [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
 
     /// The patch over cell c; empty outside the grid and where a corner is missing or has no finite height.
-    [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         // One object for every return, so that it is made in place: a copy of an optional goes through memory and costs
         // a patch evaluation a quarter more.
         std::optional<BilinearPatch<T>> found;

@@ -61,7 +61,7 @@ struct DistanceFunction {
     T query_u, query_v;
     T noise_u, noise_v; ///< resolution of F_u and F_v: no descent smaller than this is believed
 
-    DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
+    [[gnu::always_inline]] DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
         : gap00{patch.p00 - query.z}, rise_u{patch.p10 - patch.p00}, rise_v{patch.p01 - patch.p00},
           far_u{patch.p11 - patch.p01}, far_v{patch.p11 - patch.p10}, twist{patch.twist()},
           dx2{patch.spacing.x * patch.spacing.x}, dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u},
@@ -76,9 +76,6 @@ struct DistanceFunction {
         noise_v = steepest_v > 0 ? 4 * epsilon<T> * (dy2 + steepest_v * reach) : T(0);
     }
 
-    /// Whether no point has a slope along u, or along v.
-    [[nodiscard]] bool level_u() const noexcept { return rise_u == 0 && far_u == 0; }
-    [[nodiscard]] bool level_v() const noexcept { return rise_v == 0 && far_v == 0; }
     [[nodiscard]] T slope_u(T v) const noexcept { return (T(1) - v) * rise_u + v * far_u; }
     [[nodiscard]] T slope_v(T u) const noexcept { return (T(1) - u) * rise_v + u * far_v; }
     /// σ_z.
@@ -93,7 +90,7 @@ struct DistanceFunction {
         T gauss_newton; ///< determinant of Eq. (11) without σ·S_uv: dx²dy² + dx²z_v² + dy²z_u², always > 0
         T determinant; ///< determinant of Eq. (11), from the one above so that it does not cancel on steep ground
     };
-    [[nodiscard]] Value operator()(T u, T v) const noexcept {
+    [[nodiscard, gnu::always_inline]] Value operator()(T u, T v) const noexcept {
         const T zu = slope_u(v), zv = slope_v(u), z = gap00 + u * rise_u + v * zv;
         const T slopes = zu * zv, bend = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
         const T gauss_newton = dx2 * fvv + dy2 * zu * zu;
@@ -119,6 +116,20 @@ struct DistanceFunction {
         return std::clamp((dy2 * query_v - gap(u, T(0)) * zv) / (dy2 + zv * zv), T(0), T(1));
     }
 
+    /// Where the patch is level along u or v, puts that parameter right over the query, which is as low as F gets along
+    /// it. Rounding may only creep up to that: to 0 by sixteen digits a step. Worth asking after three steps, for it is
+    /// rare: at once it would cost 6 % of an update.
+    void meet_level(vec2<T>& at) const noexcept {
+        if (rise_u == 0 && far_u == 0) at.x = std::clamp(query_u, T(0), T(1));
+        if (rise_v == 0 && far_v == 0) at.y = std::clamp(query_v, T(0), T(1));
+    }
+
+    /// |σ|² = 2 F at (u, v), where σ_z is z.
+    [[nodiscard]] T squared(T u, T v, T z) const noexcept {
+        const T x = u - query_u, y = v - query_v;
+        return dx2 * x * x + dy2 * y * y + z * z;
+    }
+
     /// F(u + du, v + dv) − F(u, v): a quartic along the step, written so that nothing cancels.
     [[nodiscard]] T change(const Value& at, T du, T dv) const noexcept {
         const T z1 = at.zu * du + at.zv * dv, z2 = twist * du * dv, dz = z1 + z2;
@@ -128,45 +139,53 @@ struct DistanceFunction {
 
 namespace detail {
 
-enum class NewtonStep : unsigned char { refused, taken, arrived };
+enum class NewtonStep : unsigned char { refused, arrived, inside, to_border, barely_to_border };
 
 /// Newton's step from `at`, as much of it as stays in the patch.
 ///
-/// refused: Eq. (11) is not safely positive definite, or the step does not lower F by a quarter of
-/// F_u²/F_uu + F_v²/F_vv, which is at least half of what minimising along u or v alone can give; `at` is as it was.
-/// arrived: the whole step was taken, what it leaves of F_u and F_v is below their resolution, and `gap` is σ_z there.
-/// What it leaves is known without looking: beside the rounding of the step itself the terms that Eq. (11) does not
-/// hold, A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height.
+/// refused: Eq. (11) is not safely positive definite, or the step is not worth its while: it does not lower F by a
+/// quarter of F_u²/F_uu + F_v²/F_vv, which is at least half of what minimising along u or v alone can give; `at` is as
+/// it was.
+/// inside, arrived: the whole step was taken; arrived, if what it leaves of F_u and F_v is below their resolution.
+/// That is known without looking: beside the rounding of the step itself the terms that Eq. (11) does not hold,
+/// A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height.
+/// to_border, barely_to_border: up to the border that it meets first; barely, if that lowers F by a quarter of what its
+/// slope promises, but is worth its while only if the surface goes on there.
 template <Real T>
-[[nodiscard]] NewtonStep newton_step(const DistanceFunction<T>& distance,
-                                     const typename DistanceFunction<T>::Value& f, vec2<T>& at,
-                                     T& gap) noexcept {
+[[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
+                                                                const typename DistanceFunction<T>::Value& f,
+                                                                vec2<T>& at) noexcept {
     if (!(f.determinant > f.gauss_newton / 16)) return NewtonStep::refused;
+    // The step times the determinant: where this meets a border is known without waiting for the quotient.
+    const T way_u = f.fuv * f.fv - f.fvv * f.fu, way_v = f.fuv * f.fu - f.fuu * f.fv;
     const T scale = T(1) / f.determinant;
-    T du = (f.fuv * f.fv - f.fvv * f.fu) * scale, dv = (f.fuv * f.fu - f.fuu * f.fv) * scale;
-    T u = at.x + du, v = at.y + dv;
-    const bool whole = u >= 0 && u <= 1 && v >= 0 && v <= 1;
+    T du = way_u * scale, dv = way_v * scale;
+    vec2<T> to{at.x + du, at.y + dv};
+    const bool whole = to.x >= 0 && to.x <= 1 && to.y >= 0 && to.y <= 1;
     if (!whole) {
-        const T border_u = du > 0 ? T(1) : T(0), border_v = dv > 0 ? T(1) : T(0);
-        const T part_u = u < 0 || u > 1 ? (border_u - at.x) / du : T(1);
-        const T part_v = v < 0 || v > 1 ? (border_v - at.y) / dv : T(1);
-        const T part = std::min(part_u, part_v);
-        du *= part, dv *= part;
+        const T border_u = way_u > 0 ? T(1) : T(0), border_v = way_v > 0 ? T(1) : T(0);
+        const T never = std::numeric_limits<T>::max();
+        const T part_u = way_u != 0 ? (border_u - at.x) / way_u : never;
+        const T part_v = way_v != 0 ? (border_v - at.y) / way_v : never;
         // The parameter that meets its border first is on it, not a rounding away.
-        u = part == part_u && part < 1 ? border_u : std::clamp(at.x + du, T(0), T(1));
-        v = part == part_v && part < 1 ? border_v : std::clamp(at.y + dv, T(0), T(1));
+        to = part_u < part_v ? vec2<T>{border_u, std::clamp(at.y + part_u * way_v, T(0), T(1))}
+                             : vec2<T>{std::clamp(at.x + part_v * way_u, T(0), T(1)), border_v};
+        du = to.x - at.x, dv = to.y - at.y;
     }
+    const T slope = f.fu * du + f.fv * dv, bent = distance.twist * du * dv;
+    const T climb = f.zu * du + f.zv * dv + bent;
+    const T change =
+        slope + f.z * bent + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
     const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
-    if (!(4 * distance.change(f, du, dv) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;
-    at = {u, v};
-
-    const T bent = distance.twist * du * dv, climb = f.zu * du + f.zv * dv + bent;
+    const bool enough = 4 * change * f.fuu * f.fvv <= -worth;
+    if (!enough && (whole || !(slope < 0 && 4 * change <= slope))) return NewtonStep::refused;
+    at = to;
+    if (!whole) return enough ? NewtonStep::to_border : NewtonStep::barely_to_border;
     const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
     const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
-    gap = f.z + climb;
-    return whole && 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
+    return 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
                ? NewtonStep::arrived
-               : NewtonStep::taken;
+               : NewtonStep::inside;
 }
 
 /// A step along the floor of a bent valley: the curve on which the stiffer parameter is at its best for each value
@@ -191,6 +210,40 @@ template <Real T>
     return false;
 }
 
+/// What may move at a point: a parameter along which F falls by more than noise, and not out of the patch.
+struct Freedom {
+    bool pulls_u, pulls_v; ///< F falls along u, along v
+    bool held_u, held_v;   ///< on a border, out of which F falls along u, along v
+
+    // Asks first where the point is and then for the sign of a slope: the sign is anyone's guess, and a branch on it
+    // would be mispredicted half of the time.
+    template <Real T>
+    Freedom(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
+            const vec2<T>& at) noexcept
+        : pulls_u{std::abs(f.fu) > distance.noise_u}, pulls_v{std::abs(f.fv) > distance.noise_v},
+          held_u{at.x <= 0 ? f.fu > 0 : at.x >= 1 && f.fu <= 0}, held_v{at.y <= 0 ? f.fv > 0
+                                                                                  : at.y >= 1 && f.fv <= 0} {}
+
+    [[nodiscard]] bool none() const noexcept { return !(pulls_u && !held_u) && !(pulls_v && !held_v); }
+    [[nodiscard]] bool inside() const noexcept { return !held_u && !held_v; }
+    /// F falls beyond the border.
+    [[nodiscard]] bool beyond() const noexcept { return (pulls_u && held_u) || (pulls_v && held_v); }
+};
+
+/// Where to go from `at` if Newton's step will not do: along the floor of the valley, or to the minimum along u or v
+/// alone, whichever is worth more.
+template <Real T>
+[[nodiscard, gnu::noinline]] vec2<T> cautious_step(DistanceFunction<T> distance, vec2<T> at) noexcept {
+    const auto f = distance(at.x, at.y);
+    const Freedom may{distance, f, at};
+    const bool free_u = may.pulls_u && !may.held_u, free_v = may.pulls_v && !may.held_v;
+    const T u = free_u ? std::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
+    const T v = free_v ? std::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
+    const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);
+    if (may.inside() && valley_step(distance, f, std::min(gain_u, gain_v), at)) return at;
+    return free_u && (!free_v || gain_u <= gain_v) ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
+}
+
 } // namespace detail
 
 /// The local closest point of §4.3.2 on one closed patch, downhill from `start`.
@@ -209,51 +262,34 @@ template <Real T>
     const DistanceFunction<T> distance{patch, query};
     NewtonResult<T> foot{start.x, start.y};
     for (;; ++foot.iterations) {
-        const auto f = distance(foot.u, foot.v);
+        vec2<T> at{foot.u, foot.v};
+        const auto f = distance(at.x, at.y);
         foot.gap = f.z;
-
-        // A component may move if its derivative is more than noise and does not push across the border.
-        const bool pulls_u = std::abs(f.fu) > distance.noise_u, pulls_v = std::abs(f.fv) > distance.noise_v;
-        const bool held_u = f.fu > 0 ? foot.u <= 0 : foot.u >= 1;
-        const bool held_v = f.fv > 0 ? foot.v <= 0 : foot.v >= 1;
-        const bool free_u = pulls_u && !held_u, free_v = pulls_v && !held_v;
-        const bool ended = !free_u && !free_v;
-        if (options.border == BorderRule::stop && (foot.iterations > 0 || ended) &&
-            ((pulls_u && held_u) || (pulls_v && held_v))) {
+        const detail::Freedom may{distance, f, at};
+        if (options.border == BorderRule::stop && (foot.iterations > 0 || may.none()) && may.beyond()) {
             foot.status = NewtonStatus::at_border;
             return foot;
         }
-        if (ended) return foot;
+        if (may.none()) return foot;
 
         if (foot.iterations == options.max_iterations) {
             foot.status = NewtonStatus::iteration_limit;
             return foot;
         }
-        vec2<T> next{foot.u, foot.v};
-        const bool inside = !held_u && !held_v;
-        const auto step =
-            inside ? detail::newton_step(distance, f, next, foot.gap) : detail::NewtonStep::refused;
-        if (step == detail::NewtonStep::arrived)
-            return {next.x, next.y, foot.gap, NewtonStatus::converged, foot.iterations + 1};
-        if (step == detail::NewtonStep::refused) {
-            const T u = free_u ? std::clamp(foot.u - f.fu / f.fuu, T(0), T(1)) : foot.u;
-            const T v = free_v ? std::clamp(foot.v - f.fv / f.fvv, T(0), T(1)) : foot.v;
-            const T gain_u = distance.change(f, u - foot.u, T(0)),
-                    gain_v = distance.change(f, T(0), v - foot.v);
-            if (!inside || !detail::valley_step(distance, f, std::min(gain_u, gain_v), next)) {
-                const bool along_u = free_u && (!free_v || gain_u <= gain_v);
-                next = along_u ? vec2<T>{u, foot.v} : vec2<T>{foot.u, v};
-            }
+        using enum detail::NewtonStep;
+        const auto step = may.inside() ? detail::newton_step(distance, f, at) : refused;
+        if (step == refused || step == barely_to_border)
+            at = detail::cautious_step(distance, {foot.u, foot.v});
+        if (foot.iterations >= 3) [[unlikely]]
+            distance.meet_level(at);
+        if (at.x == foot.u && at.y == foot.v) return foot; // below the resolution of u and v
+        foot.u = at.x;
+        foot.v = at.y;
+        if (step == arrived) {
+            foot.gap = distance.gap(at.x, at.y);
+            ++foot.iterations;
+            return foot;
         }
-        // Where the patch is level along u or v the foot is right over the query, but rounding can creep up to that: to
-        // 0 by sixteen digits a step. (Asked late, for it is rare: at once it would cost 6 % of an update.)
-        if (foot.iterations >= 3) [[unlikely]] {
-            if (distance.level_u()) next.x = std::clamp(distance.query_u, T(0), T(1));
-            if (distance.level_v()) next.y = std::clamp(distance.query_v, T(0), T(1));
-        }
-        if (next.x == foot.u && next.y == foot.v) return foot; // below the resolution of u and v
-        foot.u = next.x;
-        foot.v = next.y;
     }
 }
 

@@ -36,21 +36,6 @@ struct DescentResult {
 
 namespace detail {
 
-/// A surface point with its patch, and the query as its cell sees it.
-template <Real T>
-struct Foothold {
-    SurfacePoint<T> point{};
-    BilinearPatch<T> patch{};
-    CellPoint<T> query{};
-};
-
-/// Surface point − query, in metres.
-template <Real T>
-[[nodiscard]] vec3<T> offset(const Foothold<T>& at) noexcept {
-    return {at.patch.spacing.x * (at.point.u - at.query.u), at.patch.spacing.y * (at.point.v - at.query.v),
-            DistanceFunction<T>{at.patch, at.query}.gap(at.point.u, at.point.v)};
-}
-
 /// A step to a neighbouring cell; {0, 0} stays.
 struct Neighbour {
     int di, dj;
@@ -80,12 +65,10 @@ template <Real T>
             n.dj == 0 ? point.v : T(n.dj > 0 ? 0 : 1)};
 }
 
-/// How steeply F falls from a point into its patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
+/// How steeply F falls from (u, v) into its patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
 /// and may move. 0 if F does not fall across the border by which `entry` comes in (no border, if it stays).
 template <Real T>
-[[nodiscard]] T fall_into(const Foothold<T>& at, Neighbour entry) noexcept {
-    const DistanceFunction<T> distance{at.patch, at.query};
-    const T u = at.point.u, v = at.point.v;
+[[nodiscard]] T fall_into(const DistanceFunction<T>& distance, T u, T v, Neighbour entry) noexcept {
     const auto f = distance(u, v);
     const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
     const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
@@ -97,81 +80,88 @@ template <Real T>
 /// What is around a point on the border of its patch.
 template <Real T>
 struct Surroundings {
-    Foothold<T> steepest{}; ///< the neighbour into which F falls most steeply, if `leads_down`
-    bool leads_down = false;
+    SurfacePoint<T>
+        steepest; ///< the same point in the patch into which F falls most steeply, its own included
+    bool leads_down = false;                    ///< F falls into that patch
     DescentStatus rim = DescentStatus::minimum; ///< off_…: a patch is missing on the side where the query is
-    int patches = 0;
+    int patches = 0;                            ///< neighbours looked at
 };
 
-/// Looks for a neighbour into which F falls more steeply than `fall`.
+/// Compares all patches that meet at a point on the border of its patch.
 template <HeightField Field, Real T>
-[[nodiscard]] Surroundings<T> look_around(const Field& field, const vec3<T>& query, const Foothold<T>& at,
-                                          T fall) noexcept {
-    Surroundings<T> around;
-    for (const Neighbour n : Neighbours{at.point.u, at.point.v}) {
-        Foothold<T> there{.point = seen_from(n, at.point)};
-        const auto patch = field.patch(there.point.cell);
-        ++around.patches;
-        if (!patch) {
-            const bool beyond_u = n.di == 0 || (n.di > 0 ? at.query.u > 1 : at.query.u < 0);
-            const bool beyond_v = n.dj == 0 || (n.dj > 0 ? at.query.v > 1 : at.query.v < 0);
-            if (beyond_u && beyond_v) {
-                around.rim = field.cells().contains(there.point.cell) ? DescentStatus::off_hole
-                                                                      : DescentStatus::off_border;
-            }
-            continue;
-        }
-        there.patch = *patch;
-        there.query = field.lattice().locate(query, there.point.cell);
-        if (const T fall_there = fall_into(there, n); fall_there > fall) {
+[[nodiscard, gnu::noinline]] Surroundings<T> look_around(const Field& field, const vec3<T>& query,
+                                                         const SurfacePoint<T>& at) noexcept {
+    Surroundings<T> around{.steepest = at};
+    const auto seen = field.lattice().locate(query, at.cell);
+    T fall = 0;
+    const auto look_into = [&](const SurfacePoint<T>& there, Neighbour n) {
+        const auto patch = field.patch(there.cell);
+        if (!patch) return false;
+        const DistanceFunction<T> distance{*patch, field.lattice().locate(query, there.cell)};
+        if (const T fall_there = fall_into(distance, there.u, there.v, n); fall_there > fall) {
             fall = fall_there;
             around.steepest = there;
             around.leads_down = true;
+        }
+        return true;
+    };
+    (void)look_into(at, {0, 0});
+    for (const Neighbour n : Neighbours{at.u, at.v}) {
+        const auto there = seen_from(n, at);
+        ++around.patches;
+        if (look_into(there, n)) continue;
+        const bool beyond_u = n.di == 0 || (n.di > 0 ? seen.u > 1 : seen.u < 0);
+        const bool beyond_v = n.dj == 0 || (n.dj > 0 ? seen.v > 1 : seen.v < 0);
+        if (beyond_u && beyond_v) {
+            around.rim =
+                field.cells().contains(there.cell) ? DescentStatus::off_hole : DescentStatus::off_border;
         }
     }
     return around;
 }
 
-/// Sets normal and outward of a result whose point is `at`.
-template <HeightField Field, Real T>
-void tell_side(const Field& field, const Foothold<T>& at, DescentResult<T>& result) noexcept {
-    const T u = at.point.u, v = at.point.v;
-    result.normal = at.patch.normal(u, v);
-    result.outward = glm::dot(result.offset, result.normal);
-    const Neighbours neighbours{u, v};
-    if (neighbours.count == 0) return;
+/// `DescentResult::normal` and `outward`.
+template <Real T>
+struct Facing {
+    vec3<T> normal;
+    T outward;
+};
 
+/// That of a point on the border of its patch.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::noinline]] Facing<T> tell_side(const Field& field, BilinearPatch<T> own, SurfacePoint<T> at,
+                                                 vec3<T> offset, bool minimum) noexcept {
+    const Neighbours neighbours{at.u, at.v};
     int patches = 1;
     T crease = 0; // by how much the slopes, in metres per metre, rise from one side of the point to the other
+    vec3<T> normal = own.normal(at.u, at.v);
     for (const Neighbour n : neighbours) {
-        const SurfacePoint<T> there = seen_from(n, at.point);
+        const SurfacePoint<T> there = seen_from(n, at);
         const auto patch = field.patch(there.cell);
         if (!patch) continue;
         ++patches;
-        result.normal += patch->normal(there.u, there.v);
-        if (n.dj == 0)
-            crease += T(n.di) * (patch->slope_u(there.v) - at.patch.slope_u(v)) / at.patch.spacing.x;
-        if (n.di == 0)
-            crease += T(n.dj) * (patch->slope_v(there.u) - at.patch.slope_v(u)) / at.patch.spacing.y;
+        normal += patch->normal(there.u, there.v);
+        if (n.dj == 0) crease += T(n.di) * (patch->slope_u(there.v) - own.slope_u(at.v)) / own.spacing.x;
+        if (n.di == 0) crease += T(n.dj) * (patch->slope_v(there.u) - own.slope_v(at.u)) / own.spacing.y;
     }
-    const T sum = glm::length(result.normal);
-    result.normal /= sum;
-    const bool minimum = result.status == DescentStatus::minimum, rim = patches <= neighbours.count;
-    const bool agree = sum > T(0.75) * T(patches);
-    result.outward = minimum && rim                     ? result.offset.z
-                     : minimum && !agree && crease != 0 ? crease
-                                                        : glm::dot(result.offset, result.normal);
+    const T sum = glm::length(normal);
+    normal /= sum;
+    const bool rim = patches <= neighbours.count, agree = sum > T(0.75) * T(patches);
+    return {normal, minimum && rim                     ? offset.z
+                    : minimum && !agree && crease != 0 ? crease
+                                                       : glm::dot(offset, normal)};
 }
 
 } // namespace detail
 
 /// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates).
 ///
-/// Inside a patch Newton's method runs to the local minimum or to the border. On a border the point goes on in the
-/// patch into which the distance falls most steeply from that very point, its own included; each hop at one point
-/// goes to a steeper patch, so hops around a vertex come to an end. The distance never rises. Ends where no patch at
-/// the point has a descent direction, and says so if it ends for another reason. Where a patch is missing the rim
-/// holds the point; with the query beyond that rim the point has slid off.
+/// Inside a patch Newton's method runs to the local minimum or to the border. Over an edge the point goes on where F
+/// falls beyond it; else, and at a vertex, in the patch into which the distance falls most steeply from that very
+/// point, its own included; each hop at one point goes to a steeper patch, so hops around a vertex come to an end.
+/// The distance never rises. Ends where no patch at the point has a descent direction, and says so if it ends for
+/// another reason. Where a patch is missing the rim holds the point; with the query beyond that rim the point has slid
+/// off.
 ///
 /// Stops once max_patches were looked at, but never without having got on. Does not throw, does not allocate.
 template <HeightField Field>
@@ -179,60 +169,113 @@ template <HeightField Field>
 descend(const Field& field, const vec3<typename Field::Scalar>& query,
         const SurfacePoint<typename Field::Scalar>& start, int max_patches) noexcept {
     using T = typename Field::Scalar;
-    DescentResult<T> result;
-    result.point = start;
-    const auto patch = field.patch(start.cell);
-    result.patches = 1;
-    if (!patch) {
-        result.status = DescentStatus::off_hole;
-        return result;
-    }
+    using enum detail::NewtonStep;
+    auto patch = field.patch(start.cell);
+    if (!patch) return {.status = DescentStatus::off_hole, .point = start, .patches = 1};
 
-    detail::Foothold<T> at{start, *patch, field.lattice().locate(query, start.cell)};
+    SurfacePoint<T> at = start;
+    DistanceFunction<T> distance{*patch, field.lattice().locate(query, at.cell)};
+    auto f = distance(at.u, at.v);
+    auto status = DescentStatus::minimum;
+    int patches = 1;
+    int steps = 0; // in this patch
     T nearest = std::numeric_limits<T>::max();
     int stalls = 0; // visits to a border without having come nearer
+    detail::Freedom may{distance, f, vec2<T>{at.u, at.v}};
+    bool look = on_border(at);
     for (;;) {
-        if (on_border(at.point)) {
+        if (look) {
             // Along a sharp crease two patches can hand the point back and forth for the last bits.
-            const vec3<T> offset = detail::offset(at);
-            const T squared = glm::dot(offset, offset);
+            const T squared = distance.squared(at.u, at.v, f.z);
             stalls = squared < nearest ? 0 : stalls + 1;
             nearest = std::min(nearest, squared);
             if (stalls == 8) break;
-
-            const T fall = detail::fall_into(at, {0, 0});
-            const auto around = detail::look_around(field, query, at, fall);
-            result.patches += around.patches;
-            result.status = around.rim;
-            if (around.leads_down) {
+            const auto around = detail::look_around(field, query, at);
+            patches += around.patches;
+            status = around.rim;
+            if (!around.leads_down) break;
+            if (around.steepest.cell != at.cell) {
                 at = around.steepest;
-            } else if (fall == 0) {
-                break;
+                patch = field.patch(at.cell);
+                distance = {*patch, field.lattice().locate(query, at.cell)};
+                f = distance(at.u, at.v);
+                may = {distance, f, vec2<T>{at.u, at.v}};
+                steps = 0;
             }
         }
-        const auto foot =
-            newton_closest_point(at.patch, at.query, {at.point.u, at.point.v}, {.border = BorderRule::stop});
-        const bool moved = foot.u != at.point.u || foot.v != at.point.v;
-        at.point.u = foot.u;
-        at.point.v = foot.v;
-        if (foot.status == NewtonStatus::iteration_limit) {
-            result.status = DescentStatus::work_limit;
+        if (may.none()) {
+            status = DescentStatus::minimum;
             break;
         }
-        if (!moved) break;
-        if (!on_border(at.point)) {
-            result.status = DescentStatus::minimum;
+        if (steps++ == NewtonOptions{}.max_iterations) {
+            status = DescentStatus::work_limit;
             break;
         }
-        if (result.patches >= max_patches) {
-            result.status = DescentStatus::work_limit;
+        vec2<T> to{at.u, at.v};
+        const auto step = may.inside() ? detail::newton_step(distance, f, to) : refused;
+        if (step == refused) to = detail::cautious_step(distance, to);
+        if (steps > 3) [[unlikely]]
+            distance.meet_level(to);
+        if (to.x == at.u && to.y == at.v) break; // below the resolution of u and v
+        at.u = to.x;
+        at.v = to.y;
+        const bool border = on_border(at);
+        if (step == arrived && !border) {
+            status = DescentStatus::minimum;
             break;
         }
+        if (border && patches >= max_patches) {
+            status = DescentStatus::work_limit;
+            break;
+        }
+        if (border && (step == to_border || step == barely_to_border)) {
+            // Most edges lie across the way: on with the neighbour's slope at once, if F falls there and not back here.
+            const bool over_u = at.u <= 0 || at.u >= 1;
+            const int way = (over_u ? at.u : at.v) > 0 ? 1 : -1;
+            const auto beyond = detail::seen_from({over_u ? way : 0, over_u ? 0 : way}, at);
+            if (const auto next = field.patch(beyond.cell)) {
+                const DistanceFunction<T> there{*next, field.lattice().locate(query, beyond.cell)};
+                const auto g = there(beyond.u, beyond.v);
+                const T squared = there.squared(beyond.u, beyond.v, g.z);
+                const T back = over_u
+                                   ? distance.dx2 * (at.u - distance.query_u) + g.z * distance.slope_u(at.v)
+                                   : distance.dy2 * (at.v - distance.query_v) + g.z * distance.slope_v(at.u);
+                const bool holds = T(way) * back <= (over_u ? distance.noise_u : distance.noise_v);
+                const bool falls =
+                    T(-way) * (over_u ? g.fu : g.fv) > (over_u ? there.noise_u : there.noise_v);
+                if (holds && falls && squared < nearest) {
+                    nearest = squared;
+                    stalls = 0;
+                    at = beyond;
+                    patch = next;
+                    distance = there;
+                    f = g;
+                    may = {distance, f, vec2<T>{at.u, at.v}};
+                    ++patches;
+                    steps = 0;
+                    look = false;
+                    continue;
+                }
+            }
+        }
+        f = distance(at.u, at.v);
+        may = {distance, f, vec2<T>{at.u, at.v}};
+        look = border && (may.none() || may.beyond());
     }
-    result.point = at.point;
-    result.offset = detail::offset(at);
-    detail::tell_side(field, at, result);
-    return result;
+
+    const T zu = distance.slope_u(at.v), zv = distance.slope_v(at.u);
+    const T x = patch->spacing.x * (at.u - distance.query_u),
+            y = patch->spacing.y * (at.v - distance.query_v),
+            z = distance.gap00 + at.u * distance.rise_u + at.v * zv;
+    if (on_border(at)) {
+        const auto facing = detail::tell_side(field, *patch, at, {x, y, z}, status == DescentStatus::minimum);
+        return {status, at, {x, y, z}, facing.normal, facing.outward, patches};
+    }
+    const vec2<T> d = patch->spacing;
+    const T scale =
+        T(1) / std::sqrt(distance.dx2 * distance.dy2 + distance.dy2 * zu * zu + distance.dx2 * zv * zv);
+    const T nx = -zu * d.y * scale, ny = -zv * d.x * scale, nz = d.x * d.y * scale;
+    return {status, at, {x, y, z}, {nx, ny, nz}, x * nx + y * ny + z * nz, patches};
 }
 
 } // namespace hfh
