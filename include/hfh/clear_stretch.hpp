@@ -141,8 +141,8 @@ public:
             const Index here = from + found.columns * step_, left = count - found.columns;
             if ((cells_to_ - here) * step_ > 0) {
                 if (found.side == Side::below) break; // judged exactly until then
-                const Index wanted =
-                    std::min({(cells_to_ - here) * step_, left, (budget - found.looked_at + 2) / 3});
+                const Index wanted = std::min(
+                    {(cells_to_ - here) * step_, left, std::max<Index>((budget - found.looked_at) / 3, 1)});
                 const Index clear = clear_columns<along_x>(field_, profile_, base_, here, step_, wanted);
                 if (clear > 0) {
                     found.columns += clear;
