@@ -87,6 +87,27 @@ Case<T> law_case(Random& random, int family) {
 
 } // namespace
 
+TEMPLATE_TEST_CASE("newton_closest_point: along a border it takes the step that it would take inside",
+                   "[closest_point][eq:11]", float, double) {
+    using T = TestType;
+    // A plane that rises along one axis: one step is exact. One that ran on to the next border would need another.
+    const T slope = T(0.5), q = T(1.25), gap = T(-0.25);
+    const T foot = (q + slope * gap) / (T(1) + slope * slope);
+    for (const T border : {T(0), T(1)}) {
+        const BilinearPatch<T> along_u{T(0), slope, T(0), slope}, along_v{T(0), T(0), slope, slope};
+        const auto a = newton_closest_point(along_u, CellPoint<T>{q, border, gap}, {T(0.125), border});
+        CHECK(a.status == NewtonStatus::converged);
+        CHECK(a.iterations == 1);
+        CHECK(std::abs(a.u - foot) <= 4 * epsilon<T>);
+        CHECK(a.v == border);
+        const auto b = newton_closest_point(along_v, CellPoint<T>{border, q, gap}, {border, T(0.125)});
+        CHECK(b.status == NewtonStatus::converged);
+        CHECK(b.iterations == 1);
+        CHECK(b.u == border);
+        CHECK(std::abs(b.v - foot) <= 4 * epsilon<T>);
+    }
+}
+
 TEMPLATE_TEST_CASE("DistanceFunction: its derivatives are those of half the squared distance",
                    "[closest_point][law][eq:8][eq:9][eq:10][eq:11]", float, double) {
     // ½ distance² is of degree 2 in u and in v, so central differences are exact for any step, up to rounding. Each

@@ -120,12 +120,13 @@ private:
                                         : ContactStatus::free;
     }
 
-    /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus.
-    [[nodiscard]] Contact<Scalar> slide(const vec3<Scalar>& stylus, int patches) noexcept {
+    /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus. Not inlined
+    /// for the reason that `descend` is not.
+    [[nodiscard, gnu::noinline]] Contact<Scalar> slide(const vec3<Scalar>& stylus, int patches) noexcept {
         Scalar nearest = std::numeric_limits<Scalar>::max();
         for (;;) {
-            const auto found =
-                descend(*field_, stylus, state_.proxy, std::max(1, options_.max_patches - patches));
+            const auto found = detail::descend_inline(*field_, stylus, state_.proxy,
+                                                      std::max(1, options_.max_patches - patches));
             patches += found.patches;
             state_.proxy = found.point;
             if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole) {
@@ -143,26 +144,26 @@ private:
                 return touch(stylus, found, inside, minimum && (inside || stalls), patches);
             nearest = squared;
             // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
-            const auto status = sweep(detail::in_double(stylus) + glm::dvec3{found.offset}, stylus,
-                                      {.leaves_within = blur(stylus, found)}, patches);
+            const auto status =
+                sweep(detail::in_double(stylus) + glm::dvec3{found.offset}, stylus,
+                      {.leaves_within = blur(stylus, found.offset, found.point.cell)}, patches);
             if (!state_.touching) return without_contact(status, stylus, patches);
         }
     }
 
     /// How far the rounding of a proxy may leave it off the surface: some ulps, in the scalar, of the lengths that the
     /// offset is made of, and in double of the heights to which it is added.
-    [[nodiscard]] double blur(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) const noexcept {
-        const vec3<Scalar>& offset = found.offset;
+    [[nodiscard]] double blur(const vec3<Scalar>& stylus, vec3<Scalar> offset, Cell cell) const noexcept {
         Scalar size = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z);
-        if (const auto patch = field_->patch(found.point.cell))
-            size += 2 * (patch->highest() - patch->lowest());
+        if (const auto patch = field_->patch(cell)) size += 2 * (patch->highest() - patch->lowest());
         return static_cast<double>(8 * epsilon<Scalar> * size) +
                8 * epsilon<double> * std::abs(static_cast<double>(stylus.z));
     }
 
     // Contacts are made in one piece: one filled in bit by bit is first cleared by GCC with rep stos, some 6 ns.
-    [[nodiscard]] Contact<Scalar> touch(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found,
-                                        bool inside, bool minimum, int patches) const noexcept {
+    [[nodiscard, gnu::always_inline]] Contact<Scalar> touch(const vec3<Scalar>& stylus,
+                                                            const DescentResult<Scalar>& found, bool inside,
+                                                            bool minimum, int patches) const noexcept {
         const vec3<Scalar> penetration =
             inside ? found.offset : vec3<Scalar>{0}; // never a pull towards the surface
         return {.status = minimum ? ContactStatus::contact : ContactStatus::descent_limit,
