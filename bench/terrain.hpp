@@ -33,6 +33,19 @@ inline constexpr TerrainKind moab10    {"moab10",     "moab_standin",       1405
 // clang-format on
 inline constexpr TerrainKind all_terrains[] = {sugarhouse, moab, devilshole, moab10};
 
+/// Height of the bilinear surface over (x, y), straight from `ground.sample(i, j)`. Shares no code with the library, for
+/// answers to be checked against it.
+template <class G>
+[[nodiscard]] double bilinear_height(const G& ground, double x, double y) noexcept {
+    const auto& kind = ground.kind;
+    const double a = x / kind.spacing.x, b = y / kind.spacing.y;
+    const Index i = std::clamp<Index>(static_cast<Index>(a), 0, kind.columns - 2);
+    const Index j = std::clamp<Index>(static_cast<Index>(b), 0, kind.rows - 2);
+    const double u = a - static_cast<double>(i), v = b - static_cast<double>(j);
+    return ground.sample(i, j) * (1 - u) * (1 - v) + ground.sample(i + 1, j) * u * (1 - v) +
+           ground.sample(i, j + 1) * (1 - u) * v + ground.sample(i + 1, j + 1) * u * v;
+}
+
 struct Terrain {
     TerrainKind kind;
     std::vector<std::int16_t> samples; ///< whole metres, north row first
@@ -55,16 +68,7 @@ struct Terrain {
     [[nodiscard]] double sample(Index i, Index j) const noexcept {
         return samples[static_cast<std::size_t>((kind.rows - 1 - j) * kind.columns + i)];
     }
-    /// Height of the bilinear surface over (x, y), straight from the samples. Shares no code with the library, for
-    /// answers to be checked against it.
-    [[nodiscard]] double surface(double x, double y) const noexcept {
-        const double a = x / kind.spacing.x, b = y / kind.spacing.y;
-        const Index i = std::clamp<Index>(static_cast<Index>(a), 0, kind.columns - 2);
-        const Index j = std::clamp<Index>(static_cast<Index>(b), 0, kind.rows - 2);
-        const double u = a - static_cast<double>(i), v = b - static_cast<double>(j);
-        return sample(i, j) * (1 - u) * (1 - v) + sample(i + 1, j) * u * (1 - v) +
-               sample(i, j + 1) * (1 - u) * v + sample(i + 1, j + 1) * u * v;
-    }
+    [[nodiscard]] double surface(double x, double y) const noexcept { return bilinear_height(*this, x, y); }
 };
 
 namespace detail {

@@ -33,18 +33,11 @@ struct Ground {
         const S s = samples.get()[i + j * kind.columns];
         return missing(s) ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(s);
     }
-    /// As Terrain::surface; NaN over a hole.
-    [[nodiscard]] double surface(double x, double y) const noexcept {
-        const double a = x / kind.spacing.x, b = y / kind.spacing.y;
-        const Index i = std::clamp<Index>(static_cast<Index>(a), 0, kind.columns - 2);
-        const Index j = std::clamp<Index>(static_cast<Index>(b), 0, kind.rows - 2);
-        const double u = a - static_cast<double>(i), v = b - static_cast<double>(j);
-        return sample(i, j) * (1 - u) * (1 - v) + sample(i + 1, j) * u * (1 - v) +
-               sample(i, j + 1) * (1 - u) * v + sample(i + 1, j + 1) * u * v;
-    }
+    /// NaN over a hole.
+    [[nodiscard]] double surface(double x, double y) const noexcept { return bilinear_height(*this, x, y); }
 };
 
-/// `surface`, or what is nearest to it over a hole or outside: for a stylus that has to be somewhere.
+/// Whether there is ground at (x, y), and no hole.
 template <class G>
 [[nodiscard]] bool over_surface(const G& ground, const glm::dvec2& at) noexcept {
     return !std::isnan(ground.surface(at.x, at.y));
