@@ -3,7 +3,8 @@
 
 #include <hfh/scalar.hpp>
 
-#include <algorithm>
+#include <glm/common.hpp>
+
 #include <cmath>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.1, Eq. (1)-(7).
@@ -58,10 +59,10 @@ struct BilinearPatch {
     }
 
     [[nodiscard]] constexpr T lowest() const noexcept {
-        return std::min(std::min(p00, p10), std::min(p01, p11));
+        return glm::min(glm::min(p00, p10), glm::min(p01, p11));
     }
     [[nodiscard]] constexpr T highest() const noexcept {
-        return std::max(std::max(p00, p10), std::max(p01, p11));
+        return glm::max(glm::max(p00, p10), glm::max(p01, p11));
     }
 };
 

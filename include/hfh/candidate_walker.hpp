@@ -3,7 +3,8 @@
 
 #include <hfh/height_field.hpp>
 
-#include <algorithm>
+#include <glm/common.hpp>
+
 #include <cmath>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.1: the haptic ray is projected into the grid,
@@ -74,12 +75,12 @@ struct AxisWalk {
 
     /// A length within a cell, in cells.
     [[nodiscard]] double in_cells(double metres) const noexcept {
-        return std::clamp(metres * per_metre, 0.0, 1.0);
+        return glm::clamp(metres * per_metre, 0.0, 1.0);
     }
     /// When the segment is on grid line i. Precondition: step ≠ 0.
     [[nodiscard]] double time_at(Index i) const noexcept {
         if (i == end_line) return 1; // to the bit, also where a and d are rounded
-        return std::clamp((static_cast<double>(i - base) * spacing - a) / d, 0.0, 1.0);
+        return glm::clamp((static_cast<double>(i - base) * spacing - a) / d, 0.0, 1.0);
     }
     /// When the segment enters the next cell.
     [[nodiscard]] double next() const noexcept {
@@ -102,21 +103,21 @@ struct AxisWalk {
     /// When the segment enters and leaves the cells from ≤ i < past; later than `never` if it does not.
     [[nodiscard]] bool clip(Index from, Index past, double& t_enter, double& t_leave) const noexcept {
         if (step == 0) return (from <= first && first < past) || (on_line && first == past);
-        const Index lowest = std::min(first, last), highest = std::max(first, last);
+        const Index lowest = glm::min(first, last), highest = glm::max(first, last);
         if (highest < from || lowest >= past) return false;
         const Index in = step > 0 ? from : past - 1;
         const Index out = step > 0 ? past - 1 : from;
-        if ((in - first) * step > 0) t_enter = std::max(t_enter, time_at(step > 0 ? from : past));
-        if ((last - out) * step > 0) t_leave = std::min(t_leave, time_at(step > 0 ? past : from));
+        if ((in - first) * step > 0) t_enter = glm::max(t_enter, time_at(step > 0 ? from : past));
+        if ((last - out) * step > 0) t_leave = glm::min(t_leave, time_at(step > 0 ? past : from));
         return true;
     }
     /// Goes to the earliest cell of from ≤ i < past that holds the position at t.
     void skip_to(double t, Index from, Index past) noexcept {
         if (step == 0) return;
         const auto near = base + static_cast<Index>(std::floor((a + t * d) * per_metre));
-        Index there = std::clamp(near - step, std::min(first, last), std::max(first, last));
-        there = std::clamp(there, from, past - 1);
-        const Index stop = std::clamp(last, from, past - 1);
+        Index there = glm::clamp(near - step, glm::min(first, last), glm::max(first, last));
+        there = glm::clamp(there, from, past - 1);
+        const Index stop = glm::clamp(last, from, past - 1);
         while (there != stop && time_at(step > 0 ? there + 1 : there) < t) there += step;
         cell = there;
     }
@@ -200,7 +201,7 @@ struct CellWalk {
 
         double next_x = x.next(), next_y = y.next();
         for (;;) {
-            const double t_out = std::max(t, std::min(std::min(next_x, next_y), 1.0));
+            const double t_out = glm::max(t, glm::min(glm::min(next_x, next_y), 1.0));
             const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
             const glm::dvec2 there = t_out == t ? in : glm::dvec2{x.at(t_out), y.at(t_out)};
             const glm::dvec2 out{cross_x ? x.leaving() : there.x, cross_y ? y.leaving() : there.y};
@@ -253,7 +254,7 @@ void walk_candidates(const Field& field, const vec3<T>& a, const vec3<T>& b, Vis
         if (!patch) return true;
         const double z_in = (1 - span.t_in) * from.z + span.t_in * to.z;
         const double z_out = (1 - span.t_out) * from.z + span.t_out * to.z;
-        return std::min(z_in, z_out) > static_cast<double>(patch->highest()) || visit(span, *patch);
+        return glm::min(z_in, z_out) > static_cast<double>(patch->highest()) || visit(span, *patch);
     });
 }
 

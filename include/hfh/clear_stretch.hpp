@@ -4,7 +4,8 @@
 #include <hfh/candidate_walker.hpp>
 #include <hfh/surface.hpp>
 
-#include <algorithm>
+#include <glm/common.hpp>
+
 #include <cmath>
 
 // How far along a segment nothing can be met, told by comparing heights alone: no crossing times, no quadratics. What
@@ -43,8 +44,8 @@ public:
                      (std::abs(static_cast<double>(along.base)) + std::abs(static_cast<double>(across.base)) +
                       length + 4);
         z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_);
-        z_low_ = std::min(az, bz) - z_blur_;
-        z_high_ = std::max(az, bz) + z_blur_;
+        z_low_ = glm::min(az, bz) - z_blur_;
+        z_high_ = glm::max(az, bz) + z_blur_;
     }
 
     /// Whether the numbers of the cells are known well enough to be of use.
@@ -55,9 +56,9 @@ public:
         const double at_k = static_cast<double>(k), at_m = static_cast<double>(m);
         const double cell_k = cell_ + at_k * cell_step_, cell_m = cell_ + at_m * cell_step_;
         const double z_k = z_ + at_k * z_step_, z_m = z_ + at_m * z_step_;
-        return {cell(std::min(cell_k, cell_m) - cell_blur_), cell(std::max(cell_k, cell_m) + cell_blur_),
-                std::max(std::min(z_k, z_m) - z_blur_, z_low_),
-                std::min(std::max(z_k, z_m) + z_blur_, z_high_)};
+        return {cell(glm::min(cell_k, cell_m) - cell_blur_), cell(glm::max(cell_k, cell_m) + cell_blur_),
+                glm::max(glm::min(z_k, z_m) - z_blur_, z_low_),
+                glm::min(glm::max(z_k, z_m) + z_blur_, z_high_)};
     }
 
     /// How many cells there are between the lines, where the segment passes no vertex.
@@ -128,7 +129,7 @@ public:
         // No column has more than three cells.
         if (side == Side::below) return {};
         const Index clear =
-            clear_columns<along_x>(field_, profile_, base_, from, step_, std::min(count, budget / 3));
+            clear_columns<along_x>(field_, profile_, base_, from, step_, glm::min(count, budget / 3));
         return {clear, Side::above, clear > 0 ? looked_at(from, clear) : 0};
     }
 
@@ -141,8 +142,8 @@ public:
             const Index here = from + found.columns * step_, left = count - found.columns;
             if ((cells_to_ - here) * step_ > 0) {
                 if (found.side == Side::below) break; // judged exactly until then
-                const Index wanted = std::min(
-                    {(cells_to_ - here) * step_, left, std::max<Index>((budget - found.looked_at) / 3, 1)});
+                const Index wanted = glm::min(glm::min((cells_to_ - here) * step_, left),
+                                              glm::max<Index>((budget - found.looked_at) / 3, 1));
                 const Index clear = clear_columns<along_x>(field_, profile_, base_, here, step_, wanted);
                 if (clear > 0) {
                     found.columns += clear;
@@ -152,7 +153,7 @@ public:
                 if (clear < wanted) break;
                 continue;
             }
-            const Index width = std::min(columns_left(level_, here), left);
+            const Index width = glm::min(columns_left(level_, here), left);
             const Side passes = side_of_blocks(here, width, found.looked_at);
             if (passes != Side::none && (found.side == passes || found.side == Side::none)) {
                 found.side = passes;

@@ -4,7 +4,8 @@
 #include <hfh/bilinear_patch.hpp>
 #include <hfh/lattice.hpp>
 
-#include <algorithm>
+#include <glm/common.hpp>
+
 #include <cmath>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.2, Eq. (8)-(11); the safeguard is that of
@@ -69,8 +70,8 @@ struct DistanceFunction {
         // F_u = dx²(u − u_q) + σ_z·z_u. The product is good to a few roundings of the largest σ_z times the larger of
         // the two edge slopes; and u itself has steps of an ulp, each worth F_uu. Where the patch is level along u
         // there is neither: u = u_q is met to the bit.
-        const T steepest_u = std::max(std::abs(rise_u), std::abs(far_u));
-        const T steepest_v = std::max(std::abs(rise_v), std::abs(far_v));
+        const T steepest_u = glm::max(std::abs(rise_u), std::abs(far_u));
+        const T steepest_v = glm::max(std::abs(rise_v), std::abs(far_v));
         const T reach = std::abs(gap00) + steepest_u + steepest_v;
         noise_u = steepest_u > 0 ? 4 * epsilon<T> * (dx2 + steepest_u * reach) : T(0);
         noise_v = steepest_v > 0 ? 4 * epsilon<T> * (dy2 + steepest_v * reach) : T(0);
@@ -109,19 +110,19 @@ struct DistanceFunction {
     /// The u in [0, 1] that minimises F at this v, and the v at this u: F is a parabola along u and along v.
     [[nodiscard]] T best_u(T v) const noexcept {
         const T zu = slope_u(v);
-        return std::clamp((dx2 * query_u - gap(T(0), v) * zu) / (dx2 + zu * zu), T(0), T(1));
+        return glm::clamp((dx2 * query_u - gap(T(0), v) * zu) / (dx2 + zu * zu), T(0), T(1));
     }
     [[nodiscard]] T best_v(T u) const noexcept {
         const T zv = slope_v(u);
-        return std::clamp((dy2 * query_v - gap(u, T(0)) * zv) / (dy2 + zv * zv), T(0), T(1));
+        return glm::clamp((dy2 * query_v - gap(u, T(0)) * zv) / (dy2 + zv * zv), T(0), T(1));
     }
 
     /// Where the patch is level along u or v, puts that parameter right over the query, which is as low as F gets along
     /// it. Rounding may only creep up to that: to 0 by sixteen digits a step. Worth asking after three steps, for it is
     /// rare: at once it would cost 6 % of an update.
     void meet_level(vec2<T>& at) const noexcept {
-        if (rise_u == 0 && far_u == 0) at.x = std::clamp(query_u, T(0), T(1));
-        if (rise_v == 0 && far_v == 0) at.y = std::clamp(query_v, T(0), T(1));
+        if (rise_u == 0 && far_u == 0) at.x = glm::clamp(query_u, T(0), T(1));
+        if (rise_v == 0 && far_v == 0) at.y = glm::clamp(query_v, T(0), T(1));
     }
 
     /// |σ|² = 2 F at (u, v), where σ_z is z.
@@ -168,8 +169,8 @@ template <Real T>
         const T part_u = way_u != 0 ? (border_u - at.x) / way_u : never;
         const T part_v = way_v != 0 ? (border_v - at.y) / way_v : never;
         // The parameter that meets its border first is on it, not a rounding away.
-        to = part_u < part_v ? vec2<T>{border_u, std::clamp(at.y + part_u * way_v, T(0), T(1))}
-                             : vec2<T>{std::clamp(at.x + part_v * way_u, T(0), T(1)), border_v};
+        to = part_u < part_v ? vec2<T>{border_u, glm::clamp(at.y + part_u * way_v, T(0), T(1))}
+                             : vec2<T>{glm::clamp(at.x + part_v * way_u, T(0), T(1)), border_v};
         du = to.x - at.x, dv = to.y - at.y;
     }
     const T slope = f.fu * du + f.fv * dv, bent = distance.twist * du * dv;
@@ -197,10 +198,10 @@ template <Real T>
     const bool along_v = f.fuu >= f.fvv;
     const T from = along_v ? at.y : at.x, stiff = along_v ? f.fuu : f.fvv;
     const T slope = along_v ? f.fuu * f.fv - f.fuv * f.fu : f.fvv * f.fu - f.fuv * f.fv;
-    const T curvature = std::max(std::abs(f.determinant), epsilon<T> * stiff * stiff);
-    T step = std::clamp(from - slope / curvature, T(0), T(1)) - from;
+    const T curvature = glm::max(std::abs(f.determinant), epsilon<T> * stiff * stiff);
+    T step = glm::clamp(from - slope / curvature, T(0), T(1)) - from;
     for (int halving = 0; halving < 16; ++halving, step /= 2) {
-        const T to = std::clamp(from + step, T(0), T(1));
+        const T to = glm::clamp(from + step, T(0), T(1));
         const vec2<T> floor = along_v ? vec2<T>{distance.best_u(to), to} : vec2<T>{to, distance.best_v(to)};
         if (distance.change(f, floor.x - at.x, floor.y - at.y) < gain) {
             at = floor;
@@ -237,10 +238,10 @@ template <Real T>
     const auto f = distance(at.x, at.y);
     const Freedom may{distance, f, at};
     const bool free_u = may.pulls_u && !may.held_u, free_v = may.pulls_v && !may.held_v;
-    const T u = free_u ? std::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
-    const T v = free_v ? std::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
+    const T u = free_u ? glm::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
+    const T v = free_v ? glm::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
     const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);
-    if (may.inside() && valley_step(distance, f, std::min(gain_u, gain_v), at)) return at;
+    if (may.inside() && valley_step(distance, f, glm::min(gain_u, gain_v), at)) return at;
     return free_u && (!free_v || gain_u <= gain_v) ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
 }
 

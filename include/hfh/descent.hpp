@@ -189,7 +189,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             // Along a sharp crease two patches can hand the point back and forth for the last bits.
             const T squared = distance.squared(at.u, at.v, f.z);
             stalls = squared < nearest ? 0 : stalls + 1;
-            nearest = std::min(nearest, squared);
+            nearest = glm::min(nearest, squared);
             if (stalls == 8) break;
             const auto around = look_around(field, query, at);
             patches += around.patches;

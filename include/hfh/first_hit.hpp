@@ -58,9 +58,9 @@ namespace detail {
     const double b = f1 - f0 - a;
     const double discriminant = b * b - 4 * a * f0;
     if (f1 >= 0 && !(a > 0 && b < 0 && -b < 2 * a && discriminant > 0)) return none;
-    const double root = std::sqrt(std::max(discriminant, 0.0));
+    const double root = std::sqrt(glm::max(discriminant, 0.0));
     const double s = b < 0 ? 2 * f0 / (root - b) : (b + root) / (-2 * a);
-    return std::clamp(s, 0.0, 1.0);
+    return glm::clamp(s, 0.0, 1.0);
 }
 
 /// Looks at one cell after the other, exactly, and knows on which side of the surface the segment is.
@@ -90,7 +90,7 @@ struct Judge {
     bool operator()(const CellSpan& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none;
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
-        const double searched_to = std::max(span.t_in, covered_to);
+        const double searched_to = glm::max(span.t_in, covered_to);
         if (result.cells >= options.max_cells && 0 < searched_to && searched_to < 1) {
             result.status = HitStatus::cell_limit;
             result.t = searched_to;
@@ -100,16 +100,16 @@ struct Judge {
         const auto found = field.patch(span.cell);
         if (!found) return true;
         const auto& p = *found;
-        covered_to = std::max(covered_to, span.t_out);
+        covered_to = glm::max(covered_to, span.t_out);
 
         const double z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
         const double z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
-        if (side != Side::below && std::min(z_in, z_out) > static_cast<double>(p.highest())) {
+        if (side != Side::below && glm::min(z_in, z_out) > static_cast<double>(p.highest())) {
             side = Side::above;
             leaving = false;
             return true;
         }
-        if (side != Side::above && std::max(z_in, z_out) < static_cast<double>(p.lowest())) {
+        if (side != Side::above && glm::max(z_in, z_out) < static_cast<double>(p.lowest())) {
             side = Side::below;
             leaving = false;
             return true;
@@ -152,7 +152,7 @@ struct Judge {
             const double sign = side == Side::above ? 1 : -1;
             const glm::dvec2 step = span.out - from;
             const double bend = -patch.twist() * step.x * step.y;
-            const double s = detail::first_descent(std::max(sign * f0, 0.0), sign * f1, sign * bend);
+            const double s = detail::first_descent(glm::max(sign * f0, 0.0), sign * f1, sign * bend);
             if (s > 1) return true;
             from += s * step;
             t += s * (span.t_out - t);
@@ -202,12 +202,12 @@ template <HeightField Field>
     const auto cell = [](double x, double y) {
         return Cell{static_cast<Index>(std::floor(x)), static_cast<Index>(std::floor(y))};
     };
-    const Cell from = cell(std::min(ax, bx) - blur_x, std::min(ay, by) - blur_y),
-               to = cell(std::max(ax, bx) + blur_x, std::max(ay, by) + blur_y);
+    const Cell from = cell(glm::min(ax, bx) - blur_x, glm::min(ay, by) - blur_y),
+               to = cell(glm::max(ax, bx) + blur_x, glm::max(ay, by) + blur_y);
     const Index columns = 1 + to.i - from.i, rows = 1 + to.j - from.j;
     if (columns > 2 || rows > 2) return 0;
     // Clear of rounding in the exact walk, which is a few ulps.
-    const double lowest = std::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
+    const double lowest = glm::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
     if (!lies_below(field, from, lowest)) return 0;
     if (rows == 2 && !lies_below(field, {from.i, to.j}, lowest)) return 0;
     if (columns == 2 && !lies_below(field, {to.i, from.j}, lowest)) return 0;
@@ -222,7 +222,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     const AxisWalk &along = along_x ? walk.x : walk.y, &across = along_x ? walk.y : walk.x;
     const Profile profile{along, across, judge.a.z, judge.b.z};
     const Index first = along_x ? range.first.i : range.first.j, last = along_x ? range.last.i : range.last.j;
-    const Index step = along.step, stop = std::clamp(along.last, first, last - 1) + step;
+    const Index step = along.step, stop = glm::clamp(along.last, first, last - 1) + step;
     Stretches<along_x, Field> stretches{field, profile, along.base, step};
     // The columns from `from` to before `to` in the direction of the segment.
     const auto columns = [&](Index from, Index to) {
@@ -259,7 +259,7 @@ void search(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const 
     const CellRange range = field.cells();
     const double columns = std::abs(walk.x.d * walk.x.per_metre),
                  rows = std::abs(walk.y.d * walk.y.per_metre);
-    if (std::max(columns, rows) < 2) {
+    if (glm::max(columns, rows) < 2) {
         if (walk.enter(range)) walk.visit(range, range, judge);
     } else if (columns >= rows) {
         judge_columns<true>(field, range, walk, judge);

@@ -34,7 +34,7 @@ struct Interval {
     double low, high;
 
     [[nodiscard]] static constexpr Interval spanned(double a, double b) noexcept {
-        return {std::min(a, b), std::max(a, b)};
+        return {glm::min(a, b), glm::max(a, b)};
     }
     [[nodiscard]] constexpr bool holds(double x) const noexcept { return low <= x && x <= high; }
     [[nodiscard]] constexpr Interval squared() const noexcept {
@@ -47,7 +47,7 @@ struct Interval {
     friend constexpr Interval operator*(Interval a, Interval b) noexcept {
         const Interval p = spanned(a.low * b.low, a.low * b.high),
                        q = spanned(a.high * b.low, a.high * b.high);
-        return {std::min(p.low, q.low), std::max(p.high, q.high)};
+        return {glm::min(p.low, q.low), glm::max(p.high, q.high)};
     }
     friend constexpr Interval operator*(double k, Interval a) noexcept {
         return spanned(k * a.low, k * a.high);
@@ -145,7 +145,7 @@ template <Real T>
     const double dx = wide_patch.spacing.x, dy = wide_patch.spacing.y;
 
     const auto foot = newton_closest_point(
-        wide_patch, wide_query, {std::clamp(wide_query.u, 0.0, 1.0), std::clamp(wide_query.v, 0.0, 1.0)});
+        wide_patch, wide_query, {glm::clamp(wide_query.u, 0.0, 1.0), glm::clamp(wide_query.v, 0.0, 1.0)});
     GlobalClosestPoint<T> result;
     double u = foot.u, v = foot.v;
     const auto value = [&](double at_u, double at_v) {
@@ -187,7 +187,7 @@ template <Real T>
             }
             offer_floor(middle);
             // Over a piece this short, or this level, F is the same to the last bits.
-            if (width < 0x1p-40 || width * std::max(-bounds.first.low, bounds.first.high) < 1e-15 * nearest)
+            if (width < 0x1p-40 || width * glm::max(-bounds.first.low, bounds.first.high) < 1e-15 * nearest)
                 continue;
             pieces[count++] = {piece.low, middle};
             pieces[count++] = {middle, piece.high};
@@ -196,7 +196,7 @@ template <Real T>
     // In a valley a million times narrower than long the resolution of F_u and F_v leaves v some way along it.
     for (int polish = 0; polish < 2; ++polish) {
         const auto f = valley.slope(v);
-        const double at = std::clamp(v - f.first / f.second, 0.0, 1.0);
+        const double at = glm::clamp(v - f.first / f.second, 0.0, 1.0);
         if (f.second > 0 && 0 < u && u < 1) offer_floor(at);
     }
     result.u = static_cast<T>(u);

@@ -103,7 +103,7 @@ private:
         const glm::dvec3 to = detail::in_double(stylus);
         options.surface = options_.surface;
         options.side = state_.side;
-        options.max_cells = std::max(1, options_.max_patches - patches);
+        options.max_cells = glm::max(1, options_.max_patches - patches);
         const auto hit = first_hit(*field_, from, to, options);
         patches += static_cast<int>(hit.cells);
         state_.touching = hit.status == HitStatus::hit;
@@ -126,7 +126,7 @@ private:
         Scalar nearest = std::numeric_limits<Scalar>::max();
         for (;;) {
             const auto found = detail::descend_inline(*field_, stylus, state_.proxy,
-                                                      std::max(1, options_.max_patches - patches));
+                                                      glm::max(1, options_.max_patches - patches));
             patches += found.patches;
             state_.proxy = found.point;
             if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole) {
