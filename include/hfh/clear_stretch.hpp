@@ -175,7 +175,9 @@ private:
         const Index line = step_ > 0 ? from : from + 1;
         return profile_.cells(line, line + columns * step_);
     }
-    [[nodiscard]] static constexpr Index side_length(int level) noexcept { return Index{16} << level; }
+    [[nodiscard]] static constexpr Index side_length(int level) noexcept {
+        return Index{1} << (block_bits + level);
+    }
     /// From a column to the last one of its block, both counted.
     [[nodiscard]] Index columns_left(int level, Index column) const noexcept {
         const Index within = (base_ + column) & (side_length(level) - 1);
@@ -194,7 +196,7 @@ private:
             !cells.contains(cell(base_ + past - 1, part.last))) {
             return Side::none;
         }
-        const int bits = 4 + level_;
+        const int bits = block_bits + level_;
         bool above = true, below = true;
         for (Index across = part.first >> bits; across <= part.last >> bits; ++across) {
             const auto range = field_.block_range(level_, cell((base_ + first) >> bits, across));

@@ -34,8 +34,7 @@ enum class BoundsStatus : unsigned char {
 
 namespace detail {
 
-/// log₂ of the cells along a side of a block of level 0.
-inline constexpr int block_bits = 4;
+/// The cells along a side of a block of level 0.
 inline constexpr Index block_side = Index{1} << block_bits;
 
 /// Whether a sample is a number at all. What is not makes no patch, whatever its source says.

@@ -30,6 +30,11 @@ concept HeightField = Real<typename F::Scalar>
     };
 // clang-format on
 
+namespace detail {
+/// log₂ of the cells along a side of a block of level 0.
+inline constexpr int block_bits = 4;
+} // namespace detail
+
 /// Heights in metres between which a piece of surface lies.
 template <Real T>
 struct HeightRange {
