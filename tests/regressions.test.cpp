@@ -130,6 +130,32 @@ TEMPLATE_TEST_CASE("newton_closest_point: does not creep up to a grid line along
     }
 }
 
+TEMPLATE_TEST_CASE("descend: does not creep up to a grid line along which the ground is level",
+                   "[descent][regression]", float, double) {
+    // The same in the loop of its own that descend has.
+    Random random{6};
+    const auto cell = TestType(1e-3);
+    for (int n = 0; n < 20000; ++n) {
+        const bool along_x = random.one_in(2);
+        TestType samples[3][3];
+        for (int k = 0; k < 3; ++k) {
+            const TestType height = TestType(random.between(-1, 1)) * cell;
+            for (int m = 0; m < 3; ++m) (along_x ? samples[m][k] : samples[k][m]) = height;
+        }
+        const BilinearGrid<TestType, HeightView<TestType>> grid{HeightView{&samples[0][0], 3, 3},
+                                                                {.spacing = {cell, cell}}};
+        const auto across = static_cast<TestType>(random.between(0.1, 1.9)) * cell,
+                   depth = static_cast<TestType>(random.between(0, 3)) * cell;
+        const TestType z = samples[1][1] - depth;
+        const SurfacePoint<TestType> start{
+            {1, 1}, static_cast<TestType>(random.unit()), static_cast<TestType>(random.unit())};
+        const auto end = descend(
+            grid, along_x ? vec3<TestType>{across, cell, z} : vec3<TestType>{cell, across, z}, start, 64);
+        if (end.status != DescentStatus::minimum) FAIL("no minimum in case " << n);
+        if ((along_x ? end.offset.y : end.offset.x) != 0) FAIL("not over the query in case " << n);
+    }
+}
+
 #if defined(HFH_TOUCH_TERRAIN)
 TEST_CASE("touch_terrain: refuses a header's spacing that makes no grid", "[touch_terrain][regression]") {
     // Finite and above zero, and yet 1/dx or dx·dy is no number: the demo ran and felt nothing.
