@@ -20,7 +20,7 @@ using namespace hfh::test;
 static_assert(sizeof(TrackerState<double>) == 64 && sizeof(TrackerState<float>) == 56);
 static_assert(sizeof(Contact<double>) == 120 && sizeof(Contact<float>) == 72);
 static_assert(sizeof(ForceEvaluator<double>) == 16 && sizeof(ForceEvaluator<float>) == 8);
-static_assert(sizeof(ProxyTracker<Terrain<double>::Grid>) == 80);
+static_assert(sizeof(ProxyTracker<Terrain<double>::Grid>) == 88);
 
 TEMPLATE_TEST_CASE("pieces: work together, on solid and sheet, allocate nothing, and never give a bad force",
                    "[pieces][realtime]", float, double) {

@@ -774,6 +774,175 @@ TEMPLATE_TEST_CASE(
 
 namespace {
 
+/// A gentle slope, 600 cells long, with a wall across it that rises five cells over one from column 9 to 10.
+template <Real T>
+Terrain<T> wall_on_a_slope() {
+    return terrain<T>(601, 9,
+                      [](Index i, Index) { return (i == 10 ? 5.0 : 0.0) - static_cast<double>(i) / 64; });
+}
+
+/// Deep below the slope: the wall holds the proxy in front of it until the stylus is five times as far beyond it as
+/// below it; then the next minimum is right over the stylus, some 300 cells away.
+inline constexpr double hidden = 60;
+
+/// A tracker that was led there, one update before it is let go; and the stylus of that update.
+template <Real T, class Grid>
+ProxyTracker<Grid> held_by_the_wall(const Grid& grid, const TrackerOptions& options, vec3<T>& stylus) {
+    ProxyTracker<Grid> tracker{grid, options};
+    stylus = {T(5.5), T(4.25), T(3)};
+    (void)tracker.update(stylus);
+    for (stylus.z = T(-1); stylus.z > T(-hidden); stylus.z -= T(1)) (void)tracker.update(stylus);
+    for (;;) {
+        auto next = tracker;
+        const vec3<T> there = stylus + vec3<T>{T(0.5), T(0), T(0)};
+        if (x_of(next.update(there).point) > 12 || there.x > T(590)) return tracker;
+        tracker = next;
+        stylus = there;
+    }
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minimum glides there",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    const auto ground = wall_on_a_slope<T>();
+    const auto grid = ground.grid();
+    vec3<T> stylus{};
+    const auto held = held_by_the_wall<T>(grid, {}, stylus);
+    REQUIRE(held.state().touching);
+    REQUIRE(x_of(held.state().proxy) < 12);
+    stylus.x += T(0.5);
+
+    ProxyTracker at_once{grid, {.max_slide = TrackerOptions{}.max_patches}};
+    at_once.restore(held.state());
+    const auto goal = at_once.update(stylus);
+    REQUIRE(goal.status == ContactStatus::contact);
+    REQUIRE(goal.patches > 200);
+
+    SECTION("under the surface it is pressed all the way, by less and less") {
+        auto tracker = held;
+        auto c = tracker.update(stylus);
+        int updates = 1;
+        T depth = std::numeric_limits<T>::max();
+        for (; c.status == ContactStatus::descent_limit && updates < 100; ++updates) {
+            CHECK(c.patches >= TrackerOptions{}.max_slide);
+            CHECK(c.patches <= TrackerOptions{}.max_slide + 2 + 4); // it moved half a cell, and then not
+            CHECK(c.depth < depth);
+            CHECK(c.depth > goal.depth);
+            depth = c.depth;
+            c = tracker.update(stylus);
+        }
+        CHECK(updates > 4);
+        CHECK(c.status == ContactStatus::contact);
+        CHECK(std::abs(static_cast<double>(x_of(c.point) - x_of(goal.point))) < 1e-3);
+        CHECK(std::abs(c.depth - goal.depth) <= 512 * epsilon<T> * goal.depth);
+    }
+    SECTION("over the surface nothing is felt on the way, and at its end it is free") {
+        auto tracker = held;
+        stylus.z = T(1);
+        auto c = tracker.update(stylus);
+        int updates = 1;
+        for (; c.status == ContactStatus::descent_limit && updates < 100; ++updates) {
+            CHECK(c.depth == 0);
+            c = tracker.update(stylus);
+        }
+        CHECK(updates > 4);
+        for (; c.status == ContactStatus::sweep_limit && updates < 100; ++updates) c = tracker.update(stylus);
+        CHECK(c.status == ContactStatus::free);
+    }
+    SECTION("a stylus that moves lets it slide four patches farther for each cell") {
+        auto tracker = held;
+        stylus.x += T(20);
+        const auto c = tracker.update(stylus);
+        CHECK(c.status == ContactStatus::descent_limit);
+        CHECK(c.patches >= TrackerOptions{}.max_slide + 82);
+        CHECK(c.patches <= TrackerOptions{}.max_slide + 82 + 4);
+    }
+    SECTION("that is no work without end") {
+        ProxyTracker tracker{grid, {.max_patches = 32}};
+        tracker.restore(held.state());
+        stylus.x += T(20);
+        CHECK(tracker.update(stylus).patches <= 32 + 4);
+    }
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: a sheet felt from below is pressed on the way as a solid is from above",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    const auto ground = wall_on_a_slope<T>();
+    auto ceiling = ground;
+    for (T& height : ceiling.heights) height = -height;
+    const auto grid = ground.grid(), below = ceiling.grid();
+    vec3<T> stylus{};
+    auto over = held_by_the_wall<T>(grid, {.surface = SurfaceKind::sheet}, stylus);
+    stylus.x += T(0.5);
+
+    auto state = over.state();
+    state.side = Side::below;
+    state.swept_to.z = -state.swept_to.z;
+    ProxyTracker under{below, {.surface = SurfaceKind::sheet}};
+    under.restore(state);
+    int limited = 0;
+    for (int n = 0; n < 30; ++n) {
+        const auto a = over.update(stylus), b = under.update({stylus.x, stylus.y, -stylus.z});
+        CHECK(a.status == b.status);
+        CHECK(a.depth == b.depth);
+        CHECK(a.depth > 0);
+        CHECK(a.penetration.z == -b.penetration.z);
+        limited += a.status == ContactStatus::descent_limit;
+    }
+    CHECK(limited > 4);
+}
+
+TEMPLATE_TEST_CASE(
+    "ProxyTracker: the way to a stylus that is far outside is searched in more than one update",
+    "[proxy_tracker]", float, double) {
+    using T = TestType;
+    // Let go by a cliff that is far from the stylus; flat ground between them.
+    const auto ground = terrain<T>(201, 9, [](Index i, Index) { return i <= 5 ? 200.0 : 0.0; });
+    const auto grid = ground.grid();
+    const vec3<T> stylus{T(105.5), T(4.25), T(100)};
+    TrackerState<T> state;
+    state.started = state.touching = true;
+    state.side = Side::above;
+    state.swept_to = {105.5, 4.25, 100};
+    state.proxy = {{5, 4}, T(0.5), T(0.25)};
+    ProxyTracker tracker{grid};
+    tracker.restore(state);
+    auto c = tracker.update(stylus);
+    CHECK(c.status == ContactStatus::sweep_limit);
+    CHECK(c.patches <= TrackerOptions{}.max_slide + 4);
+    c = tracker.update(stylus);
+    CHECK(c.status == ContactStatus::free);
+    CHECK(c.patches > 70);
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: behind a sweep that was cut short the proxy slides no farther than at rest",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    const auto ground = tilted_plane<T>(601, 9, 1, 0);
+    const auto grid = ground.grid();
+    ProxyTracker tracker{grid, {.max_patches = 150}};
+    REQUIRE(tracker.update({T(2.5), T(4.25), T(350)}).status == ContactStatus::free);
+    const vec3<T> inside{T(350.5), T(4.25), T(200)}; // in through column 245, the minimum is on 275
+    auto c = tracker.update(inside);
+    REQUIRE(c.status == ContactStatus::sweep_limit);
+    while (c.status == ContactStatus::sweep_limit) c = tracker.update(inside);
+    const auto swept = tracker.state().proxy;
+    CHECK(c.status == ContactStatus::descent_limit);
+    CHECK(x_of(swept) > 260);
+    CHECK(x_of(swept) < 272);
+    for (int n = 0; n < 10 && c.status == ContactStatus::descent_limit; ++n) {
+        CHECK(c.depth > 0);
+        c = tracker.update(inside);
+    }
+    CHECK(c.status == ContactStatus::contact);
+    CHECK(std::abs(static_cast<double>(x_of(c.point)) - 275.25) < 1e-3);
+}
+
+namespace {
+
 /// A terrain that stores no sample: z = 2 sin(i/4) cos(j/4) at grid point (i, j), without end.
 template <Real T>
 struct Waves {

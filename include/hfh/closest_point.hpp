@@ -232,7 +232,8 @@ struct Freedom {
 };
 
 /// Where to go from `at` if Newton's step will not do: along the floor of the valley, or to the minimum along u or v
-/// alone, whichever is worth more.
+/// alone, whichever is worth more. Far from the query both lie on borders of the patch, and the corner where these meet
+/// is lower than either: there is no floor to look for then, which would take half of the time of a long slide.
 template <Real T>
 [[nodiscard, gnu::noinline]] vec2<T> cautious_step(DistanceFunction<T> distance, vec2<T> at) noexcept {
     const auto f = distance(at.x, at.y);
@@ -241,7 +242,10 @@ template <Real T>
     const T u = free_u ? glm::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
     const T v = free_v ? glm::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
     const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);
-    if (may.inside() && valley_step(distance, f, glm::min(gain_u, gain_v), at)) return at;
+    const T gain = glm::min(gain_u, gain_v);
+    const bool to_corner = u != at.x && v != at.y && (u == 0 || u == 1) && (v == 0 || v == 1);
+    if (to_corner && distance.change(f, u - at.x, v - at.y) < gain) return {u, v};
+    if (may.inside() && valley_step(distance, f, gain, at)) return at;
     return free_u && (!free_v || gain_u <= gain_v) ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
 }
 

@@ -31,7 +31,7 @@ struct DescentResult {
     /// normal is shorter than 3/4), a minimum is seen from below in a valley and from above on a ridge; at a rim the
     /// sign of offset.z holds.
     T outward = 0;
-    int patches = 0; ///< patches looked at
+    int patches = 0; ///< patches looked at; once more for each step in them that Newton's method refused
 };
 
 namespace detail {
@@ -68,8 +68,8 @@ template <Real T>
 /// How steeply F falls from (u, v) into its patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
 /// and may move. 0 if F does not fall across the border by which `entry` comes in (no border, if it stays).
 template <Real T>
-[[nodiscard]] T fall_into(const DistanceFunction<T>& distance, T u, T v, Neighbour entry) noexcept {
-    const auto f = distance(u, v);
+[[nodiscard]] T fall_into(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
+                          T u, T v, Neighbour entry) noexcept {
     const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
     const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
     const bool stays = entry.di == 0 && entry.dj == 0;
@@ -87,25 +87,24 @@ struct Surroundings {
     int patches = 0;                            ///< neighbours looked at
 };
 
-/// Compares all patches that meet at a point on the border of its patch.
+/// Compares all patches that meet at a point on the border of its patch, into which F falls by `fall`.
 template <HeightField Field, Real T>
 [[nodiscard, gnu::noinline]] Surroundings<T> look_around(const Field& field, const vec3<T>& query,
-                                                         const SurfacePoint<T>& at) noexcept {
-    Surroundings<T> around{.steepest = at};
+                                                         const SurfacePoint<T>& at, T fall) noexcept {
+    Surroundings<T> around{.steepest = at, .leads_down = fall > 0};
     const auto seen = field.lattice().locate(query, at.cell);
-    T fall = 0;
     const auto look_into = [&](const SurfacePoint<T>& there, Neighbour n) {
         const auto patch = field.patch(there.cell);
         if (!patch) return false;
         const DistanceFunction<T> distance{*patch, field.lattice().locate(query, there.cell)};
-        if (const T fall_there = fall_into(distance, there.u, there.v, n); fall_there > fall) {
+        if (const T fall_there = fall_into(distance, distance(there.u, there.v), there.u, there.v, n);
+            fall_there > fall) {
             fall = fall_there;
             around.steepest = there;
             around.leads_down = true;
         }
         return true;
     };
-    (void)look_into(at, {0, 0});
     for (const Neighbour n : Neighbours{at.u, at.v}) {
         const auto there = seen_from(n, at);
         ++around.patches;
@@ -191,7 +190,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             stalls = squared < nearest ? 0 : stalls + 1;
             nearest = glm::min(nearest, squared);
             if (stalls == 8) break;
-            const auto around = look_around(field, query, at);
+            const auto around = look_around(field, query, at, fall_into(distance, f, at.u, at.v, {0, 0}));
             patches += around.patches;
             status = around.rim;
             if (!around.leads_down) break;
@@ -215,7 +214,10 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
         }
         vec2<T> to{at.u, at.v};
         const auto step = may.inside() ? newton_step(distance, f, to) : refused;
-        if (step == refused) to = cautious_step(field, query, at);
+        if (step == refused) {
+            to = cautious_step(field, query, at);
+            ++patches;
+        }
         if (steps > 3) [[unlikely]]
             distance.meet_level(to);
         if (to.x == at.u && to.y == at.v) break; // below the resolution of u and v

@@ -55,6 +55,8 @@ public:
         options_.surface = bytes.byte() % 4 == 0 ? SurfaceKind::sheet : SurfaceKind::solid;
         constexpr std::array<int, 8> limits{1, 2, 4, 7, 20, 100, 8192, 8192};
         options_.max_patches = limits[bytes.byte() % limits.size()];
+        constexpr std::array<int, 4> slides{1, 6, TrackerOptions{}.max_slide, 8192};
+        options_.max_slide = slides[bytes.byte() % slides.size()];
         constexpr std::array<T, 4> stiffnesses{T(500), T(0), T(1e30), std::numeric_limits<T>::max()};
         force_.stiffness = stiffnesses[bytes.byte() % stiffnesses.size()];
         constexpr std::array<T, 4> most{T(3.3), T(0), T(1e-30), T(1e30)};
@@ -308,7 +310,7 @@ private:
 
     void judge(const vec3<T>& stylus, const TrackerState<T>& before, const Contact<T>& c) {
         const bool solid = options_.surface == SurfaceKind::solid;
-        const bool ample = options_.max_patches == TrackerOptions{}.max_patches;
+        const bool worked = c.patches >= std::min(options_.max_slide, options_.max_patches);
         const Point q = wide(stylus);
         const auto under = surface_.under(
             q.x, q.y, 1e-12L * (1 + std::abs(surface_.column_of(q.x)) + std::abs(surface_.row_of(q.y))));
@@ -328,7 +330,11 @@ private:
         if (c.touching() != tracker_.state().touching) fail("touching, and then not", c);
         if (c.touching()) {
             judge_contact(q, before, c, solid);
-            if (ample && !open.loops && c.status != ContactStatus::contact) fail("ran out of work", c);
+            if (c.status == ContactStatus::descent_limit) {
+                if (!worked && !open.loops) fail("ran out of work", c);
+                const Wide over = c.side == Side::below ? -above : above;
+                if (there && over < -tolerance && !(c.depth > 0)) fail("nothing felt on the way", c);
+            }
             return;
         }
         if (c.proxy != stylus || c.penetration != vec3<T>{T(0)} || c.depth != 0 ||
@@ -337,7 +343,7 @@ private:
         }
         switch (c.status) {
         case ContactStatus::sweep_limit:
-            if (ample && !open.loops) fail("ran out of work", c);
+            if (!worked && !open.loops) fail("ran out of work", c);
             break;
         case ContactStatus::free:
             if (!under) fail("free over nothing", c);
@@ -499,7 +505,7 @@ private:
         const auto add = [&](auto... parts) { ((told += parts, told += ' '), ...); };
         const auto& f = terrain_.frame;
         add(options_.surface == SurfaceKind::solid ? "solid" : "sheet", "max_patches",
-            std::to_string(options_.max_patches));
+            std::to_string(options_.max_patches), "max_slide", std::to_string(options_.max_slide));
         add(std::to_string(terrain_.columns), "x", std::to_string(terrain_.rows), "origin",
             test::digits(f.origin.x), test::digits(f.origin.y));
         add("spacing", test::digits(f.spacing.x), test::digits(f.spacing.y), "heights now, south row first:");

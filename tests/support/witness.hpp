@@ -63,6 +63,9 @@ public:
     }
 
 private:
+    /// The work of an update in which the stylus rests.
+    [[nodiscard]] int allowed_at_least() const { return std::min(options_.max_slide, options_.max_patches); }
+
     [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
         const Wide eps = static_cast<Wide>(epsilon<T>);
         const Point q = wide(stylus);
@@ -84,6 +87,13 @@ private:
             return "not finite";
         }
         if (c.status == ContactStatus::bad_input) return "refused";
+        if (was_touching_) {
+            const Wide moved = std::max(std::abs(q.x - static_cast<Wide>(last_.x)) / surface.dx(),
+                                        std::abs(q.y - static_cast<Wide>(last_.y)) / surface.dy());
+            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 4 * moved,
+                                                static_cast<Wide>(options_.max_patches));
+            if (static_cast<Wide>(c.patches) > allowed + 16) return "more work than was allowed";
+        }
         if (c.touching() != tracker.state().touching) return "the state remembers something else";
         if (c.touching()) {
             const WideSurfacePoint at = wide(c.point);
@@ -107,14 +117,19 @@ private:
             }
             // At a vertex among patches of very different slopes the averaged normal may be wrong about inside and
             // outside. The way from the proxy to the stylus tells: it goes in at once.
-            if (c.depth > 0 && sign * dot(offset, n) < -16 * blur && !goes_in(proxy, q, sign))
+            // A proxy on its way may be anywhere: what counts is that the stylus has the surface over it.
+            const bool gliding = c.status == ContactStatus::descent_limit;
+            const bool covered = gliding && under && sign * above < tolerance;
+            if (c.depth > 0 && sign * dot(offset, n) < -16 * blur && !covered && !goes_in(proxy, q, sign))
                 return "pulls towards the surface";
+            if (gliding && under && sign * above < -tolerance && !(c.depth > 0))
+                return "nothing felt on the way, though the stylus is inside";
             if (c.status == ContactStatus::contact) {
                 if (!(c.depth > 0) && length(offset) > 64 * blur) return "in contact without penetration";
                 const Wide fall = surface.template fall<T>(at, q);
                 if (fall > 64)
                     return "a patch leads down: " + std::to_string(static_cast<double>(fall)) + " ulp-scales";
-            } else if (options_.max_patches >= TrackerOptions{}.max_patches) {
+            } else if (c.patches < allowed_at_least()) {
                 return "ran out of work";
             }
             return {};
@@ -124,8 +139,7 @@ private:
             return "not touching, but something is felt";
         }
         switch (c.status) {
-        case ContactStatus::sweep_limit:
-            return options_.max_patches >= TrackerOptions{}.max_patches ? "ran out of work" : "";
+        case ContactStatus::sweep_limit: return c.patches < allowed_at_least() ? "ran out of work" : "";
         case ContactStatus::free:
             if (!under) return "free over nothing";
             if (solid && above < -tolerance) return "free below the surface";
