@@ -48,9 +48,9 @@ double percent(const Summary& summary) {
 
 /// What the stylus is held by: nothing, or a simulated device.
 struct Setup {
-    double stiffness = 0; ///< N/m in the hand; without a device, of terrain
-    ForceRule rule;
-    std::string device; ///< empty: none
+    double stiffness = 0;         ///< N/m in the hand; without a device, of terrain
+    double terrain_stiffness = 0; ///< N per metre of terrain
+    std::string device;           ///< empty: none
 };
 
 std::string caption(const Summary& summary, const std::string& terrain, const Setup& setup) {
@@ -61,15 +61,30 @@ std::string caption(const Summary& summary, const std::string& terrain, const Se
            rounded(setup.stiffness) + " N/m, largest force " + rounded(summary.largest_force) + " N";
 }
 
-void print(const Summary& summary, const std::string& terrain, const Options& options, const Setup& setup) {
+/// The limits of a guard, and how often which cause tripped it.
+std::string describe(const hfh::ForceGuard& guard) {
+    std::string trips;
+    for (int k = 1; k < hfh::guard_trip_count; ++k) {
+        const unsigned times = guard.counts().trips[k];
+        if (times == 0) continue;
+        trips += trips.empty() ? "trips: " : ", ";
+        trips.append(to_string(static_cast<hfh::GuardTrip>(k))).append(" ").append(grouped(times));
+    }
+    return "at most " + rounded(guard.limits().max_force) + " N and " + rounded(guard.limits().max_slew) +
+           " N/ms; " + (trips.empty() ? "no trips" : trips);
+}
+
+void print(const Summary& summary, const std::string& terrain, const Options& options, const Setup& setup,
+           const std::optional<DeviceInHand>& device) {
     const auto row = [](const Distribution& d) {
         return grouped(d.quantile(0.5)) + " median, " + grouped(d.quantile(0.999)) + " at 99.9 %, " +
                grouped(d.worst()) + " worst";
     };
     std::printf("terrain         %s\n", terrain.c_str());
-    if (!setup.device.empty()) {
+    if (device) {
         std::printf("device          %s, simulated, in a hand; 1 mm there is %s m of terrain\n",
-                    setup.device.c_str(), rounded(1e-3 * setup.stiffness / setup.rule.stiffness).c_str());
+                    setup.device.c_str(), rounded(1e-3 * device->workspace().frame().scale).c_str());
+        std::printf("guard           %s\n", describe(device->guard()).c_str());
     }
     std::printf("updates         %s in %s\n", grouped(summary.updates).c_str(),
                 options.in_float ? "float" : "double");
@@ -98,10 +113,10 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
         wanted = built_in_stroke(ground, stroke_depth(ground));
         room = std::min(3 * depth, 0.4 * model.capabilities.workspace.z);
     }
-    const Mapping mapping = fit(model, ground, wanted, room);
-    if (!file) wanted = built_in_stroke(ground, depth / mapping.scale);
-    setup.rule = {setup.stiffness * mapping.scale, model.capabilities.max_force};
-    device.emplace(model, mapping, std::move(wanted));
+    const hfh::WorkspaceFrame frame = fit(model, ground, wanted, room);
+    if (!file) wanted = built_in_stroke(ground, depth * frame.scale);
+    device.emplace(model, frame, std::move(wanted));
+    setup.terrain_stiffness = device->workspace().terrain_stiffness(setup.stiffness);
 }
 
 void run(const Options& options) {
@@ -119,7 +134,7 @@ void run(const Options& options) {
     if (options.device == DeviceChoice::none) {
         if (!file) stroke = built_in_stroke(ground, stroke_depth(ground));
         setup.stiffness = options.stiffness.value_or(default_stiffness(ground));
-        setup.rule.stiffness = setup.stiffness;
+        setup.terrain_stiffness = setup.stiffness;
     } else {
         put_in_hand(options, ground, file, device, setup);
     }
@@ -127,6 +142,10 @@ void run(const Options& options) {
         if (device) return device->next();
         if (file) return file->next();
         return at < stroke.size() ? std::optional{stroke[at++]} : std::nullopt;
+    };
+    // A stylus on rails is in nobody's hand: no force moves it, none can hurt, and its path may be of any speed.
+    const ForceSink feel = [&](const glm::dvec3& newtons, bool buried) {
+        return device ? device->feel(newtons, buried) : hfh::GuardedForce{newtons};
     };
     const auto done = [&] {
         return device ? device->progress()
@@ -147,11 +166,10 @@ void run(const Options& options) {
         const auto on_touch = [&](const Touch& touch) {
             if (record) record->add(touch);
             if (picture) trace.add(touch);
-            if (device) device->feel(touch.force);
             progress.show(++updates, done());
         };
-        summary = options.in_float ? touch_terrain<float>(terrain, frame, setup.rule, path, on_touch)
-                                   : touch_terrain<double>(terrain, frame, setup.rule, path, on_touch);
+        const auto session = options.in_float ? touch_terrain<float> : touch_terrain<double>;
+        summary = session(terrain, frame, setup.terrain_stiffness, path, feel, on_touch);
     }
 
     const std::string description = describe(terrain, ground);
@@ -161,7 +179,7 @@ void run(const Options& options) {
     }
     if (record) record->keep();
     if (picture) picture->keep();
-    print(summary, terrain.name + ", " + description, options, setup);
+    print(summary, terrain.name + ", " + description, options, setup, device);
 }
 
 } // namespace
