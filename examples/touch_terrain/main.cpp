@@ -61,7 +61,7 @@ std::string caption(const Summary& summary, const std::string& terrain, const Se
            rounded(setup.stiffness) + " N/m, largest force " + rounded(summary.largest_force) + " N";
 }
 
-/// The limits of a guard, and how often which cause tripped it.
+/// The limits of a guard and how often they acted, and how often which cause tripped it.
 std::string describe(const hfh::ForceGuard& guard) {
     std::string trips;
     for (int k = 1; k < hfh::guard_trip_count; ++k) {
@@ -70,7 +70,8 @@ std::string describe(const hfh::ForceGuard& guard) {
         trips += trips.empty() ? "trips: " : ", ";
         trips.append(to_string(static_cast<hfh::GuardTrip>(k))).append(" ").append(grouped(times));
     }
-    return "at most " + rounded(guard.limits().max_force) + " N and " + rounded(guard.limits().max_slew) +
+    return "clamped " + grouped(guard.counts().clamped) + " updates to " + rounded(guard.limits().max_force) +
+           " N, slewed " + grouped(guard.counts().slewed) + " to " + rounded(guard.limits().max_slew) +
            " N/ms; " + (trips.empty() ? "no trips" : trips);
 }
 
