@@ -302,7 +302,7 @@ TEST_CASE("touch_terrain: says by name what tripped the guard, and when", "[touc
             folder.text("p.csv", "t,x,y,z\n" + path);
             const Run run = folder.run("t.bil --path p.csv --record out.csv --device " + device);
             REQUIRE(run.code == 0);
-            CHECK(run.out.find("; trips: " + trip + " 1\n") != std::string::npos);
+            CHECK(run.out.find("; trips: " + trip + " 1 (see ") != std::string::npos);
             const auto rows = rows_of(contents(folder / "out.csv"));
             std::size_t tripped = 0;
             for (const Row& row : rows) {
@@ -311,6 +311,7 @@ TEST_CASE("touch_terrain: says by name what tripped the guard, and when", "[touc
                 CHECK(row.force == std::array<double, 3>{});
             }
             CHECK(tripped > 5);
+            CHECK((run.out.find("\nburied ") != std::string::npos) == (trip == "buried"));
             CHECK(rows.back().contact);
             CHECK(rows.back().guard == "none");
             CHECK(distance(rows.back().force, {0, 0, 0}) > 0.1);
@@ -394,8 +395,14 @@ TEST_CASE("touch_terrain: prints its summary and keeps nothing beside the height
     }
     CHECK(folder.run("'" HFH_SOURCE_DIR "/examples/data/spanish_peaks.png'").out.find("73.596") !=
           std::string::npos);
+    CHECK(run.out.find("--spacing") == std::string::npos);
+    CHECK(run.out.find("buried") == std::string::npos);
     CHECK(folder.listing().empty());
     CHECK(folder.run("--help").code == 0);
+    write_png(folder / "t.png", 2, 2, 8, PNG_COLOR_TYPE_GRAY, {0, 0, 0, 0});
+    CHECK(folder.run("t.png").out.find("1 x 1 m, which the file does not say (see --spacing)\n") !=
+          std::string::npos);
+    CHECK(folder.run("t.png --spacing 1").out.find("1 x 1 m\n") != std::string::npos);
 }
 
 TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terrain]") {

@@ -22,13 +22,14 @@ namespace {
 constexpr const char* bundled_terrain = TOUCH_TERRAIN_BUNDLED;
 constexpr glm::dvec2 bundled_spacing{73.596, 92.491}; // examples/data/README.md
 
-hfh::GridFrame frame_for(const Options& options, const Terrain& terrain) {
+/// Metres from sample to sample, if anybody says.
+std::optional<glm::dvec2> spacing_of(const Options& options, const Terrain& terrain) {
+    if (options.spacing) return options.spacing;
+    if (terrain.spacing) return terrain.spacing;
     std::error_code none;
     const bool bundled =
         !options.terrain || std::filesystem::equivalent(*options.terrain, bundled_terrain, none);
-    const glm::dvec2 otherwise = bundled ? bundled_spacing : glm::dvec2{1.0};
-    return {.spacing = options.spacing.value_or(terrain.spacing.value_or(otherwise)),
-            .height_scale = options.height_scale};
+    return bundled ? std::optional{bundled_spacing} : std::nullopt;
 }
 
 std::string describe(const Terrain& terrain, const Ground& ground) {
@@ -40,10 +41,9 @@ std::string describe(const Terrain& terrain, const Ground& ground) {
         terrain.heights);
 }
 
-double percent(const Summary& summary) {
-    return summary.updates == 0
-               ? 0.0
-               : 100.0 * static_cast<double>(summary.in_contact) / static_cast<double>(summary.updates);
+double percent(std::uint64_t updates, const Summary& summary) {
+    return summary.updates == 0 ? 0.0
+                                : 100.0 * static_cast<double>(updates) / static_cast<double>(summary.updates);
 }
 
 /// What the stylus is held by: nothing, or a simulated device.
@@ -56,8 +56,9 @@ struct Setup {
 std::string caption(const Summary& summary, const std::string& terrain, const Setup& setup) {
     std::string what = terrain;
     for (std::size_t at; (at = what.find(" x ")) != std::string::npos;) what.replace(at, 3, " × ");
-    return what + "; " + grouped(summary.updates) + " updates, " + rounded(percent(summary), 3) +
-           " % in contact" + (setup.device.empty() ? "" : "; simulated " + setup.device) + "; stiffness " +
+    return what + "; " + grouped(summary.updates) + " updates, " +
+           rounded(percent(summary.in_contact, summary), 3) + " % in contact" +
+           (setup.device.empty() ? "" : "; simulated " + setup.device) + "; stiffness " +
            rounded(setup.stiffness) + " N/m, largest force " + rounded(summary.largest_force) + " N";
 }
 
@@ -72,7 +73,7 @@ std::string describe(const hfh::ForceGuard& guard) {
     }
     return "clamped " + grouped(guard.counts().clamped) + " updates to " + rounded(guard.limits().max_force) +
            " N, slewed " + grouped(guard.counts().slewed) + " to " + rounded(guard.limits().max_slew) +
-           " N/ms; " + (trips.empty() ? "no trips" : trips);
+           " N/ms; " + (trips.empty() ? "no trips" : trips + " (see hfh/force_guard.hpp)");
 }
 
 void print(const Summary& summary, const std::string& terrain, const Options& options, const Setup& setup,
@@ -89,7 +90,11 @@ void print(const Summary& summary, const std::string& terrain, const Options& op
     }
     std::printf("updates         %s in %s\n", grouped(summary.updates).c_str(),
                 options.in_float ? "float" : "double");
-    std::printf("in contact      %.1f %%\n", percent(summary));
+    std::printf("in contact      %.1f %%\n", percent(summary.in_contact, summary));
+    if (summary.buried > 0) {
+        std::printf("buried          %.1f %%, below the surface without having met it\n",
+                    percent(summary.buried, summary));
+    }
     std::printf("patches         %s, per update\n", row(summary.patches).c_str());
     std::printf("time (ns)       %s, per update\n", row(summary.nanoseconds).c_str());
     std::printf("largest force   %s N at %s N/m\n", rounded(summary.largest_force).c_str(),
@@ -123,7 +128,9 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
 void run(const Options& options) {
     if (options.picture) require_gnuplot();
     const Terrain terrain = read_terrain(options.terrain.value_or(bundled_terrain));
-    const hfh::GridFrame frame = frame_for(options, terrain);
+    const auto spacing = spacing_of(options, terrain);
+    const hfh::GridFrame frame{.spacing = spacing.value_or(glm::dvec2{1.0}),
+                               .height_scale = options.height_scale};
     const Ground ground = ground_of(terrain, frame);
 
     std::optional<StylusPathFile> file;
@@ -180,7 +187,8 @@ void run(const Options& options) {
     }
     if (record) record->keep();
     if (picture) picture->keep();
-    print(summary, terrain.name + ", " + description, options, setup, device);
+    const char* assumed = spacing ? "" : ", which the file does not say (see --spacing)";
+    print(summary, terrain.name + ", " + description + assumed, options, setup, device);
 }
 
 } // namespace

@@ -41,7 +41,8 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double 
         const hfh::Force<T> asked = force(contact);
         const auto stop = Clock::now();
 
-        const hfh::GuardedForce felt = feel(asked.newtons, contact.status == hfh::ContactStatus::buried);
+        const bool buried = contact.status == hfh::ContactStatus::buried;
+        const hfh::GuardedForce felt = feel(asked.newtons, buried);
         const Touch touch{.t = sample->t,
                           .stylus = stylus,
                           .contact = contact.touching(),
@@ -53,6 +54,7 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double 
                           .guard = what_acted(felt)};
         ++summary.updates;
         summary.in_contact += touch.contact;
+        summary.buried += buried;
         summary.largest_force = std::max(summary.largest_force, glm::length(touch.force));
         summary.patches.add(static_cast<std::uint64_t>(std::max(0, touch.patches)));
         summary.nanoseconds.add(static_cast<std::uint64_t>((stop - start) / std::chrono::nanoseconds{1}));
