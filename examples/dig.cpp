@@ -2,6 +2,9 @@
 // brush raises ground under a hand that rests on it. The samples are edited between updates, nothing is rebuilt, nobody
 // tells the tracker. Draws the force over time and the ground before and after, and says how far the force moved in
 // one update against what the edit and the hand moved.
+//
+// The force is shown as the ground asks for it, without the guard that a device needs (touch_terrain has one): a guard
+// would hide a kick. It would not act here; tests/edits.test.cpp sends such a force through one.
 
 #include <hfh/hfh.hpp>
 

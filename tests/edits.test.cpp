@@ -1,9 +1,12 @@
 #include "catch.hpp"
+#include "support/edited_touch.hpp"
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
 
 #include <hfh/force_evaluator.hpp>
 #include <hfh/proxy_tracker.hpp>
+
+#include <string>
 
 // Ground that is edited while it is touched: nothing is rebuilt, the next update feels it.
 
@@ -239,4 +242,134 @@ TEMPLATE_TEST_CASE("edits: a surface that is taken away lets go, and one that co
     // A neighbour that goes does not matter to a proxy within its cell.
     ground.remove(7, 7);
     CHECK(tracker.update(at).penetration == vec3<T>{T(0), T(0), T(0.5)});
+}
+
+TEMPLATE_TEST_CASE("edits: a guard passes on to the bit what ground asks for that gives way or is heaped up",
+                   "[edits][force_guard][law]", float, double) {
+    using T = TestType;
+    // As in examples/dig: pressed down, dragged along, lifted a little; yields under more than 1 N, then a brush.
+    EditedTouch<T> touch{plane<T>(41, 21, 0, five_millimetres), {T(0.04), T(0.051), T(0.002)}};
+    for (int n = 0; n < 500; ++n) (void)touch.step(); // the ramp
+    double dug = 0, raised = 0, strongest = 0;
+    for (int n = 0; n < 2500; ++n) {
+        if (n < 800) touch.stylus.z -= T(1e-5);
+        if (n >= 800 && n < 1800) touch.stylus.x += T(6e-5);
+        if (n >= 1800 && n < 2000) touch.stylus.z += T(1e-5);
+        const auto now = touch.step();
+        REQUIRE(now.result.newtons == now.asked);
+        strongest = std::max(strongest, glm::length(now.asked));
+        const double x = double(touch.stylus.x) / 0.005, y = double(touch.stylus.y) / 0.005,
+                     excess = double(touch.contact().depth) - 0.002;
+        if (n < 2000 && excess > 0) dug += stamp(touch.ground, x, y, 3, -std::min(0.3 * excess, 5e-5));
+        if (n >= 2000) raised += stamp(touch.ground, x, y, 6, 5e-6);
+    }
+    CHECK_FALSE(touch.tripped());
+    CHECK(touch.counts().slewed == 0);
+    CHECK(touch.broken() == nullptr);
+    CHECK(dug > 0.01);
+    CHECK(raised > 0.002);
+    CHECK(strongest > 1.2);
+}
+
+TEMPLATE_TEST_CASE("edits: ground that is dug, raised or swapped in one update comes at the guard's pace",
+                   "[edits][force_guard][law]", float, double) {
+    using T = TestType;
+    using Edit = void (*)(Terrain<T>&);
+    const std::pair<const char*, Edit> edits[] = {
+        {"dug", [](Terrain<T>& ground) { stamp(ground, 20.5, 20.25, 6, -0.003); }},
+        {"dug away", [](Terrain<T>& ground) { ground.heights.assign(ground.heights.size(), T(-1)); }},
+        {"raised", [](Terrain<T>& ground) { stamp(ground, 20.5, 20.25, 6, 0.002); }},
+        {"raised beyond what the device can",
+         [](Terrain<T>& ground) { ground.heights.assign(ground.heights.size(), T(1)); }},
+        {"swapped for a slope",
+         [](Terrain<T>& ground) {
+             std::ranges::copy(tilted_plane<T>(41, 41, 0.0025, 0, -0.0517).heights, ground.heights.begin());
+         }},
+        {"swapped for hills", [](Terrain<T>& ground) {
+             std::ranges::copy(hills<T>(41, 41, 0.01, 9).heights, ground.heights.begin());
+         }}};
+    for (const auto& [name, edit] : edits) {
+        const GuardLimits limits{.max_slew = 0.07};
+        const double pace = 70; // N/s
+        EditedTouch<T> touch{
+            plane<T>(41, 41, 0, five_millimetres), {T(20.5 * 0.005), T(20.25 * 0.005), T(0.001)}, limits};
+        for (int n = 0; n < 500; ++n) (void)touch.step();
+        touch.stylus.z = T(-0.004);
+        for (int n = 0; n < 30; ++n) (void)touch.step();
+        glm::dvec3 last = touch.step().result.newtons;
+        CAPTURE(name, last.z);
+        REQUIRE(last.z == Approx(2));
+
+        edit(touch.ground);
+        Random random{114};
+        double since = 0, takes = 0; // s
+        for (int n = 0; n < 200; ++n) {
+            const double seconds = 0.001 * random.between(0.5, 1.5);
+            const auto now = touch.step(seconds);
+            const double asked = glm::length(now.asked);
+            const glm::dvec3 raw =
+                asked > limits.max_force ? now.asked * (limits.max_force / asked) : now.asked;
+            if (n == 0) takes = glm::distance(raw, last) / pace;
+            since += seconds;
+            CAPTURE(n, since, takes);
+            CHECK(glm::distance(now.result.newtons, last) <= pace * seconds * (1 + 1e-9));
+            // There in the first update by when it can be, and not in one before.
+            const bool there = glm::distance(now.result.newtons, raw) < 1e-12;
+            if (std::abs(since - takes) > 1e-6) CHECK(there == (since > takes));
+            last = now.result.newtons;
+        }
+        CHECK(takes > 0.005);
+        CHECK(since > takes + 0.05);
+        CHECK_FALSE(touch.tripped());
+        CHECK(touch.broken() == nullptr);
+
+        // To and fro in every update.
+        auto other = plane<T>(41, 41).heights;
+        for (int n = 0; n < 200; ++n) {
+            std::ranges::swap_ranges(other, touch.ground.heights);
+            const auto now = touch.step();
+            CHECK(glm::distance(now.result.newtons, last) <= pace * 0.001 * (1 + 1e-9));
+            last = now.result.newtons;
+        }
+        CHECK_FALSE(touch.tripped());
+        CHECK(touch.broken() == nullptr);
+    }
+}
+
+TEMPLATE_TEST_CASE("edits: whatever is edited at random, a guard holds its limits and does not trip",
+                   "[edits][force_guard][law]", float, double) {
+    for (const double size : {5e-5, 0.001, 0.008}) {
+        const RandomEdits<TestType> edits{size};
+        CAPTURE(size, edits.touching);
+        CHECK(std::string{edits.touch.broken() == nullptr ? "" : edits.touch.broken()} == "");
+        CHECK_FALSE(edits.touch.tripped());
+        CHECK(edits.touching > 1000);
+        CHECK((edits.slewed > 0) == (size > 5e-4)); // small edits are passed on as they are;
+    }
+}
+
+TEMPLATE_TEST_CASE(
+    "edits: a hole lets go by the slew, and ground that fills it over a stylus trips the guard",
+    "[edits][force_guard]", float, double) {
+    using T = TestType;
+    EditedTouch<T> touch{plane<T>(9, 9, 0, five_millimetres), {T(0.021), T(0.022), T(0.001)}};
+    for (int n = 0; n < 500; ++n) (void)touch.step();
+    touch.stylus.z = T(-0.003);
+    for (int n = 0; n < 5; ++n) (void)touch.step();
+    touch.ground.remove(4, 4);
+    CHECK(touch.step().result.newtons.z == Approx(0.5)); // from 1.5 N, by 1 N/ms
+    CHECK(is_zero(touch.step().result.newtons));
+    CHECK_FALSE(touch.tripped());
+    touch.ground.at(4, 4) = T(0);
+    const auto filled = touch.step(); // it is below and has not met it
+    CHECK(filled.result.trip == GuardTrip::buried);
+    CHECK(is_zero(filled.result.newtons));
+    touch.stylus.z = T(0.001);
+    CHECK(touch.step().result.trip == GuardTrip::none);
+    touch.stylus.z = T(-0.002);
+    for (int n = 0; n < 249; ++n) (void)touch.step();
+    CHECK(touch.step().result.newtons.z == Approx(0.5).epsilon(0.02)); // half the ramp
+    for (int n = 0; n < 250; ++n) (void)touch.step();
+    CHECK(touch.step().result.newtons.z == Approx(1));
+    CHECK(touch.broken() == nullptr);
 }

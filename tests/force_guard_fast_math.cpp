@@ -1,6 +1,7 @@
 // The guard under -ffast-math, where a compiler may take it that no number is a NaN or an infinity, and the processor
 // takes denormals for zero. A program of its own, because the flag changes how the whole program starts.
 
+#include "support/edited_touch.hpp"
 #include "support/guard_oracle.hpp"
 
 #include <hfh/force_guard.hpp>
@@ -120,6 +121,18 @@ void check_everything_at_once() {
     }
 }
 
+/// A force from ground that is edited under the stylus, all of it under this flag.
+template <Real T>
+void check_edited_ground(const char* scalar) {
+    for (const double size : {5e-5, 0.001, 0.008}) {
+        const RandomEdits<T> edits{size};
+        const char* broken = edits.touch.broken();
+        check(broken == nullptr, broken == nullptr ? "" : broken, scalar);
+        check(!edits.touch.tripped(), "an edit does not trip", scalar);
+        check(edits.touching > 1000, "is touched", scalar);
+    }
+}
+
 } // namespace
 
 int main() {
@@ -133,6 +146,8 @@ int main() {
         check_numbers_that_are_none(bad);
     check_denormals();
     check_everything_at_once();
+    check_edited_ground<float>("edits in float");
+    check_edited_ground<double>("edits in double");
     std::printf("%s\n", failures == 0 ? "the guard holds under -ffast-math" : "it does not hold");
     return failures == 0 ? 0 : 1;
 }

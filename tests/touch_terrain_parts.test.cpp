@@ -1,6 +1,7 @@
 #include "catch.hpp"
 #include "touch_terrain_files.hpp"
 
+#include <device_in_hand.hpp>
 #include <distribution.hpp>
 #include <numbers.hpp>
 #include <relief.hpp>
@@ -151,6 +152,28 @@ TEST_CASE("touch_terrain stroke: is in the air over holes", "[touch_terrain]") {
     for (const auto& sample : demo::built_in_stroke(ground, demo::stroke_depth(ground))) {
         if (!std::isfinite(sample.position.z)) FAIL("no height at t = " << sample.t);
     }
+}
+
+TEST_CASE("touch_terrain device: holds what its guard lets through, and no more", "[touch_terrain]") {
+    // A hand at rest for a second, 10 m of terrain to a metre, and as much force upwards as the device can.
+    const std::vector<demo::StylusSample> rest{{0, {500, 250, 100}}, {1, {500, 250, 100}}};
+    const auto after = [&](double seconds, bool buried) {
+        demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, rest};
+        demo::StylusSample sample;
+        while (const auto next = device.next()) {
+            sample = *next;
+            if (sample.t > seconds) break;
+            const auto felt = device.feel({0, 0, 1e6}, buried);
+            CHECK(felt.newtons.z <= 3.3 * std::min(1.0, sample.t / 0.5) * (1 + 1e-9));
+            CHECK((felt.trip == hfh::GuardTrip::buried) == buried);
+        }
+        return (sample.position.z - 100) / 10; // metres in the hand
+    };
+    CHECK(after(0.9, true) == 0);
+    // 3.3 N against a grip of 300 N/m and a friction of 0.26 N, at a quarter of the ramp and after it.
+    CHECK(after(0.125, false) < 3.3 / 4 / 300);
+    CHECK(after(0.125, false) > 0.2 * 3.3 / 4 / 300);
+    CHECK(after(0.9, false) == Approx(3.3 / 300).epsilon(0.1));
 }
 
 TEST_CASE("touch_terrain relief: north is in the last row, and north-west slopes are lit",

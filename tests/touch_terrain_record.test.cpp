@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <sstream>
+#include <utility>
 
 // The record, checked from outside: this file knows the format, Eq. (1) and section 3 of the design, and no code of
 // the library or the demo.
@@ -52,14 +54,14 @@ struct Row {
     std::array<double, 3> stylus, proxy, normal, force;
     bool contact;
     int patches;
-    std::string status;
+    std::string status, guard;
 };
 
 std::vector<Row> rows_of(const std::string& record) {
     std::istringstream lines{record};
     std::string line;
     std::getline(lines, line);
-    CHECK(line == "t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status");
+    CHECK(line == "t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status,guard");
     std::vector<Row> rows;
     while (std::getline(lines, line)) {
         std::istringstream fields{line};
@@ -69,7 +71,9 @@ std::vector<Row> rows_of(const std::string& record) {
             std::getline(fields, field, ',');
             value = std::stod(field);
         }
-        std::getline(fields, field);
+        std::string status, guard;
+        std::getline(fields, status, ',');
+        std::getline(fields, guard);
         rows.push_back({n[0],
                         {n[1], n[2], n[3]},
                         {n[5], n[6], n[7]},
@@ -77,7 +81,8 @@ std::vector<Row> rows_of(const std::string& record) {
                         {n[11], n[12], n[13]},
                         n[4] == 1,
                         static_cast<int>(n[14]),
-                        field});
+                        status,
+                        guard});
     }
     return rows;
 }
@@ -137,6 +142,7 @@ TEST_CASE("touch_terrain: the record of the built-in stroke holds from outside",
         if (k > 0) backwards = std::max(backwards, rows[k - 1].t - row.t);
         CHECK(row.patches >= 1);
         CHECK(row.contact == (row.status == "contact"));
+        CHECK(row.guard == "none"); // there is none without a device
         for (std::size_t axis = 0; axis < 3; ++axis) {
             wrong_force =
                 std::max(wrong_force, std::abs(row.force[axis] - 0.1 * (row.proxy[axis] - row.stylus[axis])));
@@ -190,7 +196,7 @@ TEST_CASE("touch_terrain: a simulated device closes the loop", "[touch_terrain][
             std::max(off_surface, std::abs(row.proxy[2] - peaks.height(row.proxy[0], row.proxy[1])));
         descent = std::max(descent, steepest_descent(peaks, row));
         const double depth = distance(row.proxy, row.stylus);
-        if (depth > 1) {
+        if (depth > 1 && row.guard == "none") {
             least = std::min(least, force / depth);
             most = std::max(most, force / depth);
         }
@@ -217,7 +223,7 @@ TEST_CASE("touch_terrain: a simulated device closes the loop", "[touch_terrain][
     CHECK((east - west) * scale < 0.160);
     CHECK((north - south) * scale < 0.070);
 
-    // The path alone, without a device, gives the same forces.
+    // The path alone, without a device, gives the same forces but for what the guard did.
     folder.text("path.csv", path_in(contents(folder / "out.csv")));
     char stiffness[40];
     std::snprintf(stiffness, sizeof stiffness, "%.17g", least);
@@ -225,10 +231,92 @@ TEST_CASE("touch_terrain: a simulated device closes the loop", "[touch_terrain][
     const auto again = rows_of(contents(folder / "again.csv"));
     REQUIRE(again.size() == rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        if (distance(again[k].force, rows[k].force) > 1e-9) FAIL("another force at t = " << rows[k].t);
+        const bool same = distance(again[k].force, rows[k].force) <= 1e-9;
+        if (rows[k].guard == "none" && !same) FAIL("another force at t = " << rows[k].t);
     }
+}
 
-    CHECK(folder.run("--device premium").out.find("Premium 1.5, simulated") != std::string::npos);
+TEST_CASE("touch_terrain: what a simulated device holds has been through a guard", "[touch_terrain][law]") {
+    struct Device {
+        std::string name, shown;
+        double stiffness, max_force, max_slew; // N/m, N, N an update
+    };
+    const auto device =
+        GENERATE(Device{"touch", "Touch", 500, 3.3, 1}, Device{"premium", "Premium 1.5", 3500, 8.5, 7});
+    // As hard as the device can, and far harder: it bounces, and all limits act.
+    const double hardness = GENERATE(1.0, 200.0);
+    const bool in_float = GENERATE(false, true);
+    const double stiffness = hardness * device.stiffness;
+    CAPTURE(device.name, hardness, in_float);
+    const Folder folder;
+    const Run run = folder.run("--device " + device.name + " --stiffness " + std::to_string(stiffness) +
+                               " --record out.csv" + (in_float ? " --float" : ""));
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find(device.shown + ", simulated") != std::string::npos);
+    CHECK(run.out.find("N/ms; no trips\n") != std::string::npos);
+    const auto rows = rows_of(contents(folder / "out.csv"));
+    REQUIRE(rows.size() == 20000);
+
+    // As the session asks: N per metre of terrain, from a row that the guard let pass.
+    const Row& firmest = *std::ranges::max_element(rows, {}, [](const Row& row) {
+        return row.guard == "none" ? distance(row.force, {0, 0, 0}) : 0;
+    });
+    const double per_metre = distance(firmest.force, {0, 0, 0}) / distance(firmest.proxy, firmest.stylus);
+    // A rounding of a coordinate, as above, and of the time.
+    const double tolerance = per_metre * (in_float ? 1e-2 : 1e-10) + 1e-9;
+    std::array<double, 3> last{};
+    std::map<std::string, int> acted;
+    for (const Row& row : rows) {
+        // By a ramp of half a second, no longer than the device can, and there as fast as the slew allows.
+        const double asked = row.contact ? per_metre * distance(row.proxy, row.stylus) : 0;
+        const double gain =
+            std::min(1.0, row.t / 0.5) * std::min(1.0, device.max_force / std::max(asked, 1e-9));
+        std::array<double, 3> target{}, sent{};
+        for (std::size_t axis = 0; axis < 3 && row.contact; ++axis)
+            target[axis] = gain * per_metre * (row.proxy[axis] - row.stylus[axis]);
+        const double share = std::min(1.0, device.max_slew / std::max(distance(target, last), 1e-9));
+        for (std::size_t axis = 0; axis < 3; ++axis) sent[axis] = std::lerp(last[axis], target[axis], share);
+        if (distance(row.force, sent) > tolerance) FAIL("another force at t = " << row.t);
+        if (row.guard == "none" && std::abs(distance(row.force, {0, 0, 0}) - asked) > tolerance)
+            FAIL("something acted at t = " << row.t);
+        last = row.force;
+        ++acted[row.guard];
+    }
+    CHECK(acted["none"] > 10000);
+    CHECK(acted["ramped"] > 0);
+    if (hardness > 1) CHECK((acted["slewed"] > 100 && acted["clamped"] > 100));
+    CHECK(acted["none"] + acted["ramped"] + acted["slewed"] + acted["clamped"] == 20000);
+}
+
+TEST_CASE("touch_terrain: says by name what tripped the guard, and when", "[touch_terrain]") {
+    const Folder folder;
+    folder.samples<float>("t.bil", {0, 0, 0, 0});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nPIXELTYPE FLOAT\n");
+    // Begins below the ground, or leaps over it in a millisecond; comes back each time.
+    for (const auto& [trip, path] :
+         {std::pair<std::string, std::string>{
+              "buried", "0,0.2,0.5,-0.1\n1,0.8,0.5,-0.1\n2,0.8,0.5,0.2\n3,0.5,0.5,-0.05\n"},
+          {"jump", "0,0.1,0.5,0.01\n1,0.1,0.5,-0.01\n1.001,0.7,0.5,-0.01\n3,0.7,0.5,-0.01\n"}}) {
+        for (const std::string device : {"touch", "premium"}) {
+            CAPTURE(trip, device);
+            folder.text("p.csv", "t,x,y,z\n" + path);
+            const Run run = folder.run("t.bil --path p.csv --record out.csv --device " + device);
+            REQUIRE(run.code == 0);
+            CHECK(run.out.find("; trips: " + trip + " 1 (see ") != std::string::npos);
+            const auto rows = rows_of(contents(folder / "out.csv"));
+            std::size_t tripped = 0;
+            for (const Row& row : rows) {
+                if (row.guard != trip) continue;
+                ++tripped;
+                CHECK(row.force == std::array<double, 3>{});
+            }
+            CHECK(tripped > 5);
+            CHECK((run.out.find("\nburied ") != std::string::npos) == (trip == "buried"));
+            CHECK(rows.back().contact);
+            CHECK(rows.back().guard == "none");
+            CHECK(distance(rows.back().force, {0, 0, 0}) > 0.1);
+        }
+    }
 }
 
 TEST_CASE("touch_terrain: a device goes along any path that fits a scale, and refuses others",
@@ -307,8 +395,14 @@ TEST_CASE("touch_terrain: prints its summary and keeps nothing beside the height
     }
     CHECK(folder.run("'" HFH_SOURCE_DIR "/examples/data/spanish_peaks.png'").out.find("73.596") !=
           std::string::npos);
+    CHECK(run.out.find("--spacing") == std::string::npos);
+    CHECK(run.out.find("buried") == std::string::npos);
     CHECK(folder.listing().empty());
     CHECK(folder.run("--help").code == 0);
+    write_png(folder / "t.png", 2, 2, 8, PNG_COLOR_TYPE_GRAY, {0, 0, 0, 0});
+    CHECK(folder.run("t.png").out.find("1 x 1 m, which the file does not say (see --spacing)\n") !=
+          std::string::npos);
+    CHECK(folder.run("t.png --spacing 1").out.find("1 x 1 m\n") != std::string::npos);
 }
 
 TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terrain]") {

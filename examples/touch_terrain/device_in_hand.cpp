@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace demo {
 namespace {
@@ -18,8 +17,8 @@ double seconds_in(const std::vector<StylusSample>& path) noexcept { return path.
 
 } // namespace
 
-Mapping fit(const hfh::DeviceModel& model, const Ground& ground, const std::vector<StylusSample>& path,
-            double room) {
+hfh::WorkspaceFrame fit(const hfh::DeviceModel& model, const Ground& ground,
+                        const std::vector<StylusSample>& path, double room) {
     glm::dvec3 low = path.front().position, high = low;
     for (const StylusSample& sample : path) {
         low = glm::min(low, sample.position);
@@ -27,26 +26,30 @@ Mapping fit(const hfh::DeviceModel& model, const Ground& ground, const std::vect
     }
     const glm::dvec3& workspace = model.capabilities.workspace;
     const glm::dvec3 size = high - low, space = 0.9 * (workspace - glm::dvec3{0, 0, 2 * room});
-    double scale = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        if (size[axis] > 0) scale = std::min(scale, space[axis] / size[axis]);
-    }
-    if (size == glm::dvec3{0.0}) scale = std::min(space.x / ground.size.x, space.y / ground.size.y);
-    const Mapping mapping{low + size / 2.0, scale};
-    if (!std::isnormal(scale) || scale < 0 || !hfh::is_finite(mapping.centre) ||
-        !hfh::is_finite(workspace / scale)) {
+    double scale = 0;
+    for (int axis = 0; axis < 3; ++axis) scale = std::max(scale, size[axis] / space[axis]);
+    if (size == glm::dvec3{0.0}) scale = std::max(ground.size.x / space.x, ground.size.y / space.y);
+    const hfh::WorkspaceFrame frame{.scale = scale, .offset = low + size / 2.0};
+    if (!std::isnormal(scale) || check(frame) != hfh::WorkspaceStatus::ok ||
+        !hfh::is_finite(workspace * scale)) {
         throw BadInput{"The path does not fit into the workspace of a device at any scale: it is " +
                        rounded(size.x) + " x " + rounded(size.y) + " x " + rounded(size.z) +
                        " m. Take --device none to follow it without one."};
     }
-    return mapping;
+    return frame;
 }
 
 double aim_depth(double stiffness) noexcept { return 1 / hfh::HandGrip{}.stiffness + 1 / stiffness; }
 
-DeviceInHand::DeviceInHand(const hfh::DeviceModel& model, const Mapping& mapping,
+hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
+    constexpr double fastest = 2; // m/s
+    return {.max_force = device.max_force, .max_slew = 1e-3 * device.max_stiffness * fastest};
+}
+
+DeviceInHand::DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame,
                            std::vector<StylusSample> wanted)
-    : path_{std::move(wanted)}, mapping_{mapping}, device_{model, {}, Wanted{&path_, mapping}, 0} {
+    : path_{std::move(wanted)}, workspace_{frame}, device_{model, {}, Wanted{&path_, &workspace_}, 0},
+      guard_{limits_for(model.capabilities)} {
     if (!(seconds_in(path_) <= longest)) {
         throw BadInput{"The path takes " + rounded(seconds_in(path_)) +
                        " s, but with a device it may take a day at the most."};
@@ -59,7 +62,13 @@ std::optional<StylusSample> DeviceInHand::next() {
     const auto sample = device_.sample();
     // Half an update: times are multiples of the period but for rounding.
     if (sample.time > seconds_in(path_) + 0.5 * device_.period()) return std::nullopt;
-    return StylusSample{path_.front().t + sample.time, sample.position / mapping_.scale + mapping_.centre};
+    return StylusSample{path_.front().t + sample.time, workspace_.update(sample.position)};
+}
+
+hfh::GuardedForce DeviceInHand::feel(const glm::dvec3& newtons, bool buried) noexcept {
+    const auto guarded = guard_.update(device_.sample(), workspace_.force_at_hand(newtons), buried);
+    newtons_ = guarded.newtons;
+    return guarded;
 }
 
 double DeviceInHand::progress() const noexcept {
@@ -77,7 +86,7 @@ glm::dvec3 DeviceInHand::Wanted::operator()(double t) const noexcept {
     } else if (next == path->begin()) {
         position = path->front().position;
     }
-    return (position - mapping.centre) * mapping.scale;
+    return workspace->to_hand(position);
 }
 
 } // namespace demo

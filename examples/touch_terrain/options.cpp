@@ -83,15 +83,18 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     app.add_option(
            "--device", device,
            "touch or premium: a simulated device, in a hand that wants to go along the path and gives "
-           "way to the force. none: the stylus is on the path, whatever the force. Default: touch; with "
-           "--path none")
+           "way to the force, which goes through a guard. none: the stylus is on the path, whatever the "
+           "force. Default: touch; with --path none")
         ->type_name("DEVICE");
     app.add_option(
            "--stiffness", stiffness,
            "Newtons per metre of depth: in the hand, by default the device's; without a device in the "
            "terrain, by default 2 N at a quarter of a cell")
         ->type_name("K");
-    app.add_option("--record", record, "Writes what every update found, one row each")->type_name("FILE.csv");
+    app.add_option("--record", record,
+                   "Writes one row per update: where the stylus was, what was found there, and the force "
+                   "that was felt")
+        ->type_name("FILE.csv");
     app.add_option("--picture", picture,
                    "Draws the path on the terrain and the force over time (needs gnuplot)")
         ->type_name("FILE.png");

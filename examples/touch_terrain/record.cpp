@@ -17,7 +17,7 @@ void append(std::string& text, const glm::dvec3& v) {
 } // namespace
 
 Record::Record(const std::filesystem::path& file)
-    : file_{file}, text_{"t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status\n"} {}
+    : file_{file}, text_{"t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status,guard\n"} {}
 
 void Record::add(const Touch& touch) {
     append_number(text_, touch.t);
@@ -30,6 +30,8 @@ void Record::add(const Touch& touch) {
     append_number(text_, touch.patches);
     text_ += ',';
     text_ += touch.status;
+    text_ += ',';
+    text_ += touch.guard;
     text_ += '\n';
     if (text_.size() >= block) finish();
 }

@@ -9,7 +9,7 @@
 namespace demo {
 
 /// Writes one row per update, in digits that read back as the same numbers:
-/// `t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status`.
+/// `t,x,y,z,contact,px,py,pz,nx,ny,nz,fx,fy,fz,patches,status,guard`, which are the members of `Touch`.
 class Record {
 public:
     explicit Record(const std::filesystem::path& file);

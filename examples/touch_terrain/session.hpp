@@ -7,33 +7,33 @@
 #include "touch.hpp"
 
 #include <hfh/bilinear_grid.hpp>
+#include <hfh/force_guard.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 
 namespace demo {
 
 struct Summary {
     std::uint64_t updates = 0;
     std::uint64_t in_contact = 0;
-    double largest_force = 0;    ///< N
+    std::uint64_t buried = 0;
+    double largest_force = 0;    ///< N, as felt
     Distribution patches;        ///< looked at, per update
     Distribution nanoseconds;    ///< per update, tracker and force together
     std::size_t state_bytes = 0; ///< what the tracker remembers from update to update
 };
 
-struct ForceRule {
-    double stiffness = 0;                                  ///< N per metre of terrain
-    double most = std::numeric_limits<double>::infinity(); ///< N
-};
+/// Takes the force that the terrain asks for, in N there, and whether the stylus is buried; gives what is felt of it.
+using ForceSink = std::function<hfh::GuardedForce(const glm::dvec3& newtons, bool buried)>;
 
-/// Moves the stylus along `path` over the terrain, one update a sample, and hands every touch to `on_touch` before it
-/// asks for the next sample.
+/// Moves the stylus along `path` over the terrain, one update a sample, and hands the force to `feel` and every touch to
+/// `on_touch` before it asks for the next sample. `stiffness`: N per metre of terrain.
 template <hfh::Real T>
-Summary touch_terrain(const Terrain& terrain, const hfh::GridFrame& frame, const ForceRule& force,
-                      const StylusSource& path, const std::function<void(const Touch&)>& on_touch);
+Summary touch_terrain(const Terrain& terrain, const hfh::GridFrame& frame, double stiffness,
+                      const StylusSource& path, const ForceSink& feel,
+                      const std::function<void(const Touch&)>& on_touch);
 
 } // namespace demo
 

@@ -3,10 +3,11 @@
 namespace demo {
 
 template <>
-Summary touch_terrain<double>(const Terrain& terrain, const hfh::GridFrame& frame, const ForceRule& force,
-                              const StylusSource& path, const std::function<void(const Touch&)>& on_touch) {
+Summary touch_terrain<double>(const Terrain& terrain, const hfh::GridFrame& frame, double stiffness,
+                              const StylusSource& path, const ForceSink& feel,
+                              const std::function<void(const Touch&)>& on_touch) {
     return std::visit(
-        [&](const auto& heights) { return follow<double>(heights, frame, force, path, on_touch); },
+        [&](const auto& heights) { return follow<double>(heights, frame, stiffness, path, feel, on_touch); },
         terrain.heights);
 }
 

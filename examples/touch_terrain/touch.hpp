@@ -12,9 +12,10 @@ struct Touch {
     bool contact = false;
     glm::dvec3 proxy{0.0};
     glm::dvec3 normal{0.0};
-    glm::dvec3 force{0.0}; ///< stiffness × (proxy − stylus), cut to what the device can give, if there is one
+    glm::dvec3 force{0.0}; ///< as felt: with a device at the hand, after the guard
     int patches = 0;
-    const char* status = "";
+    const char* status = ""; ///< of the contact
+    const char* guard = "";  ///< what of it acted on the force: a trip, slewed, ramped or clamped, else none
 };
 
 } // namespace demo
