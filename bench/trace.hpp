@@ -11,18 +11,19 @@
 
 namespace hfh::bench {
 
-/// Stylus positions in runs of `run` updates, and the tracker's state before each run.
+/// Stylus positions in runs of `run` updates, and the state before each run of the tracker that follows them.
 template <Real T>
 struct Trace {
     std::vector<vec3<T>> stylus;
     std::vector<TrackerState<T>> before;
     std::size_t run = 1;
+    TrackerOptions options{};
 };
 
 /// All updates of a trace; `visit(contact)` after each.
 template <HeightField Field, class Visitor>
 void replay(const Field& field, const Trace<typename Field::Scalar>& trace, Visitor&& visit) noexcept {
-    ProxyTracker tracker{field};
+    ProxyTracker tracker{field, trace.options};
     const auto* stylus = trace.stylus.data();
     for (const auto& state : trace.before) {
         tracker.restore(state);

@@ -70,6 +70,9 @@ WideSurfacePoint closest_patch_search(const Surface<T>& surface, Index i, Index 
     }
 }
 
+/// No more than a few microseconds an update.
+constexpr TrackerOptions brisk{.max_slide = 20};
+
 /// Runs a hand over a terrain under a witness.
 template <Real T>
 void check_hand(const char* name, const Terrain<T>& ground, const TrackerOptions& options, std::uint64_t seed,
@@ -120,6 +123,23 @@ TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants on real terrains with hol
     for (const auto& name : real_terrains_with_holes) {
         if (const auto ground = real_terrain<TestType>(name))
             check_hand(name.c_str(), *ground, {}, 35, 40000);
+    }
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants when it may slide no farther than a little",
+                   "[proxy_tracker][law][real]", float, double) {
+    constexpr TrackerOptions brisk_sheet{.surface = SurfaceKind::sheet, .max_slide = 20};
+    std::uint64_t seed = 37;
+    for (auto& scene : scenes<TestType>()) {
+        check_hand(scene.name, scene.terrain, brisk, seed, 10000);
+        check_hand(scene.name, scene.terrain, brisk_sheet, seed, 10000);
+        check_hand(scene.name, scene.terrain, {.max_slide = 1}, seed, 10000);
+        punch_holes(scene.terrain, 24, seed++);
+        check_hand(scene.name, scene.terrain, brisk, seed, 10000);
+        check_hand(scene.name, scene.terrain, brisk_sheet, seed, 10000);
+    }
+    for (const char* name : {"kinect_boxes", "bullet_scan"}) {
+        if (const auto ground = real_terrain<TestType>(name)) check_hand(name, *ground, brisk, seed, 20000);
     }
 }
 
@@ -809,12 +829,12 @@ TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minim
     const auto ground = wall_on_a_slope<T>();
     const auto grid = ground.grid();
     vec3<T> stylus{};
-    const auto held = held_by_the_wall<T>(grid, {}, stylus);
+    const auto held = held_by_the_wall<T>(grid, brisk, stylus);
     REQUIRE(held.state().touching);
     REQUIRE(x_of(held.state().proxy) < 12);
     stylus.x += T(0.5);
 
-    ProxyTracker at_once{grid, {.max_slide = TrackerOptions{}.max_patches}};
+    ProxyTracker at_once{grid};
     at_once.restore(held.state());
     const auto goal = at_once.update(stylus);
     REQUIRE(goal.status == ContactStatus::contact);
@@ -826,8 +846,8 @@ TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minim
         int updates = 1;
         T depth = std::numeric_limits<T>::max();
         for (; c.status == ContactStatus::descent_limit && updates < 100; ++updates) {
-            CHECK(c.patches >= TrackerOptions{}.max_slide);
-            CHECK(c.patches <= TrackerOptions{}.max_slide + 2 + 4); // it moved half a cell, and then not
+            CHECK(c.patches >= brisk.max_slide);
+            CHECK(c.patches <= brisk.max_slide + 2 + 4); // it moved half a cell, and then not
             CHECK(c.depth < depth);
             CHECK(c.depth > goal.depth);
             depth = c.depth;
@@ -851,16 +871,16 @@ TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minim
         for (; c.status == ContactStatus::sweep_limit && updates < 100; ++updates) c = tracker.update(stylus);
         CHECK(c.status == ContactStatus::free);
     }
-    SECTION("a stylus that moves lets it slide four patches farther for each cell") {
+    SECTION("a stylus that moves lets it slide three patches farther for each cell") {
         auto tracker = held;
         stylus.x += T(20);
         const auto c = tracker.update(stylus);
         CHECK(c.status == ContactStatus::descent_limit);
-        CHECK(c.patches >= TrackerOptions{}.max_slide + 82);
-        CHECK(c.patches <= TrackerOptions{}.max_slide + 82 + 4);
+        CHECK(c.patches >= brisk.max_slide + 61);
+        CHECK(c.patches <= brisk.max_slide + 61 + 4);
     }
     SECTION("that is no work without end") {
-        ProxyTracker tracker{grid, {.max_patches = 32}};
+        ProxyTracker tracker{grid, {.max_patches = 32, .max_slide = brisk.max_slide}};
         tracker.restore(held.state());
         stylus.x += T(20);
         CHECK(tracker.update(stylus).patches <= 32 + 4);
@@ -875,13 +895,14 @@ TEMPLATE_TEST_CASE("ProxyTracker: a sheet felt from below is pressed on the way 
     for (T& height : ceiling.heights) height = -height;
     const auto grid = ground.grid(), below = ceiling.grid();
     vec3<T> stylus{};
-    auto over = held_by_the_wall<T>(grid, {.surface = SurfaceKind::sheet}, stylus);
+    auto over =
+        held_by_the_wall<T>(grid, {.surface = SurfaceKind::sheet, .max_slide = brisk.max_slide}, stylus);
     stylus.x += T(0.5);
 
     auto state = over.state();
     state.side = Side::below;
     state.swept_to.z = -state.swept_to.z;
-    ProxyTracker under{below, {.surface = SurfaceKind::sheet}};
+    ProxyTracker under{below, {.surface = SurfaceKind::sheet, .max_slide = brisk.max_slide}};
     under.restore(state);
     int limited = 0;
     for (int n = 0; n < 30; ++n) {
@@ -908,11 +929,11 @@ TEMPLATE_TEST_CASE(
     state.side = Side::above;
     state.swept_to = {105.5, 4.25, 100};
     state.proxy = {{5, 4}, T(0.5), T(0.25)};
-    ProxyTracker tracker{grid};
+    ProxyTracker tracker{grid, brisk};
     tracker.restore(state);
     auto c = tracker.update(stylus);
     CHECK(c.status == ContactStatus::sweep_limit);
-    CHECK(c.patches <= TrackerOptions{}.max_slide + 4);
+    CHECK(c.patches <= brisk.max_slide + 4);
     c = tracker.update(stylus);
     CHECK(c.status == ContactStatus::free);
     CHECK(c.patches > 70);
@@ -923,7 +944,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: behind a sweep that was cut short the proxy sl
     using T = TestType;
     const auto ground = tilted_plane<T>(601, 9, 1, 0);
     const auto grid = ground.grid();
-    ProxyTracker tracker{grid, {.max_patches = 150}};
+    ProxyTracker tracker{grid, {.max_patches = 150, .max_slide = brisk.max_slide}};
     REQUIRE(tracker.update({T(2.5), T(4.25), T(350)}).status == ContactStatus::free);
     const vec3<T> inside{T(350.5), T(4.25), T(200)}; // in through column 245, the minimum is on 275
     auto c = tracker.update(inside);

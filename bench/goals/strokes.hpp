@@ -50,10 +50,12 @@ template <class G>
 
 /// The positions as a trace in runs of `run` updates, each with the tracker's state before it.
 template <Real T, HeightField Field>
-[[nodiscard]] Trace<T> trace_of(const Field& field, const std::vector<glm::dvec3>& stylus, std::size_t run) {
+[[nodiscard]] Trace<T> trace_of(const Field& field, const std::vector<glm::dvec3>& stylus, std::size_t run,
+                                const TrackerOptions& options = {}) {
     Trace<T> trace;
     trace.run = run;
-    ProxyTracker tracker{field};
+    trace.options = options;
+    ProxyTracker tracker{field, options};
     for (std::size_t k = 0; k + run <= stylus.size(); k += run) {
         trace.before.push_back(tracker.state());
         for (std::size_t n = 0; n < run; ++n) {
@@ -67,15 +69,21 @@ template <Real T, HeightField Field>
 
 template <Real T, class G>
 [[nodiscard]] Trace<T> stroke_trace(const G& ground, const Stroke& stroke, std::size_t count, std::size_t run,
-                                    std::uint64_t seed = 1) {
+                                    const TrackerOptions& options = {}) {
     const auto grid = ground.template grid<T>();
-    return trace_of<T>(
-        grid, positions(ground, wander(ground, count, stroke.step, seed), stroke.way, stroke.depth), run);
+    return trace_of<T>(grid,
+                       positions(ground, wander(ground, count, stroke.step, 1), stroke.way, stroke.depth),
+                       run, options);
 }
 
 /// Updates by how they ended.
 struct Endings {
     double updates = 0, contacts = 0, left_at_hole = 0, limits = 0;
+
+    void add(const Endings& more) {
+        updates += more.updates, contacts += more.contacts;
+        left_at_hole += more.left_at_hole, limits += more.limits;
+    }
 };
 
 /// Looks at every answer from outside; throws a Fault where one is wrong.
@@ -144,7 +152,7 @@ template <class G, Real T>
     return {trace.before.size(), static_cast<double>(trace.run),
             [tracker_field = std::make_shared<typename G::template Grid<T>>(ground.template grid<T>()),
              &trace](std::size_t slice) {
-                ProxyTracker tracker{*tracker_field};
+                ProxyTracker tracker{*tracker_field, trace.options};
                 tracker.restore(trace.before[slice]);
                 const auto* stylus = &trace.stylus[slice * trace.run];
                 for (std::size_t k = 0; k < trace.run; ++k) {

@@ -90,7 +90,7 @@ private:
         if (was_touching_) {
             const Wide moved = std::max(std::abs(q.x - static_cast<Wide>(last_.x)) / surface.dx(),
                                         std::abs(q.y - static_cast<Wide>(last_.y)) / surface.dy());
-            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 4 * moved,
+            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 3 * moved,
                                                 static_cast<Wide>(options_.max_patches));
             if (static_cast<Wide>(c.patches) > allowed + 16) return "more work than was allowed";
         }
