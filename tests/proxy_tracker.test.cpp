@@ -1051,6 +1051,21 @@ TEMPLATE_TEST_CASE("ProxyTracker: far from the origin it is as exact as its scal
     check_hand("hills at UTM", ground, {}, 49, 20000);
 }
 
+TEST_CASE("ProxyTracker: sweeps to the float position that it was given, not to what that was rounded from",
+          "[proxy_tracker][hard][regression]") {
+    const auto ground = hills<float>(9, 9, 1, 4);
+    const auto grid = ground.grid();
+    for (int k = 1; k < 100; ++k) {
+        const glm::dvec3 at{0.01 * k, 0.02 * k, 20 + 0.001 * k};
+        ProxyTracker tracker{grid};
+        (void)tracker.update(vec3<float>{at}); // GCC 12 would see both conversions, were update inlined
+        const volatile float x = static_cast<float>(at.x), y = static_cast<float>(at.y),
+                             z = static_cast<float>(at.z);
+        const glm::dvec3 given{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+        CHECK(tracker.state().swept_to == given);
+    }
+}
+
 TEST_CASE("TrackerState: is a small value that can be copied like plain bytes", "[proxy_tracker]") {
     static_assert(std::is_trivially_copyable_v<TrackerState<float>>);
     static_assert(std::is_trivially_copyable_v<TrackerState<double>>);

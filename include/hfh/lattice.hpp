@@ -84,7 +84,8 @@ public:
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
         constexpr double far = static_cast<double>(CellRange::endless().last.i);
-        const double u = u_of(static_cast<double>(p.x), 0), v = v_of(static_cast<double>(p.y), 0);
+        const double u = (static_cast<double>(p.x) - origin_.x) * per_metre_.x,
+                     v = (static_cast<double>(p.y) - origin_.y) * per_metre_.y;
         return -far < u && u < far && -far < v && v < far;
     }
 

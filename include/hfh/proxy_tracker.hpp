@@ -39,17 +39,6 @@ struct TrackerState {
     bool cut_short = false; ///< free: the search has not got to the stylus
 };
 
-namespace detail {
-
-[[nodiscard]] inline const vec3<double>& in_double(const vec3<double>& p) noexcept { return p; }
-/// Not inlined: where GCC 12 sees it, it forgets the rounding in (double)(float)x of a pair of x, and the stylus that
-/// is swept would not be the one that was given.
-[[nodiscard, gnu::noinline]] inline vec3<double> in_double(const vec3<float>& p) noexcept {
-    return vec3<double>{p};
-}
-
-} // namespace detail
-
 /// Follows a stylus over a height field: the haptic update of §4.3 [P].
 ///
 /// Two modes. *Free*: the segment from the last stylus position to this one is cast; the first crossing is the
@@ -79,22 +68,29 @@ public:
 
     /// One haptic update: the stylus is at `stylus` (world coordinates, metres). NaN, infinity and positions beyond
     /// the reach of cell numbers or of the scalar's squares are refused: status bad_input, state unchanged.
-    [[nodiscard]] Contact<Scalar> update(const vec3<Scalar>& stylus) noexcept {
+    ///
+    /// Not inlined: where GCC 12 sees how a float position was made, it forgets the rounding in (double)(float)x of a
+    /// pair of x, and the stylus that is swept would not be the one that was given.
+    [[nodiscard, gnu::noinline]] Contact<Scalar> update(const vec3<Scalar>& stylus) noexcept {
         if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !(std::abs(stylus.z) < highest)) {
             return {.status = ContactStatus::bad_input};
         }
+        const glm::dvec3 to{stylus};
         if (!state_.started) {
             state_.started = true;
-            state_.swept_to = detail::in_double(stylus);
+            state_.swept_to = to;
         }
-        int patches = 0;
-        // Behind a search that was cut short lies more than the way of one update.
-        const glm::dvec3 before = state_.cut_short ? detail::in_double(stylus) : state_.swept_to;
-        if (!state_.touching) {
-            const auto status = sweep(state_.swept_to, stylus, {}, options_.max_patches, patches);
-            if (!state_.touching) return without_contact(status, stylus, patches);
+        if (state_.touching) return slide(state_.swept_to, stylus, 0);
+        // What `sweep` comes to nearly always, without a look at anything else.
+        if (state_.side != Side::below && options_.max_patches >= 4) {
+            if (const Index cells = detail::passes_over(*field_, state_.swept_to, to); cells > 0) {
+                state_.side = Side::above;
+                state_.swept_to = to;
+                state_.cut_short = false;
+                return without_contact(ContactStatus::free, stylus, static_cast<int>(cells));
+            }
         }
-        return slide(before, stylus, patches);
+        return meet(stylus);
     }
 
     /// Forgets the stylus: the next position is taken as the first one.
@@ -108,15 +104,25 @@ private:
     /// Beyond this height the fourth power of a distance overflows.
     static constexpr Scalar highest = std::same_as<Scalar, float> ? Scalar(0x1p31) : Scalar(0x1p255);
 
+    /// Free, with something in the way, or near it. Not inlined, so that an update that meets nothing needs no stack.
+    [[nodiscard, gnu::noinline]] Contact<Scalar> meet(const vec3<Scalar>& stylus) noexcept {
+        // Behind a search that was cut short lies more than the way of one update.
+        const glm::dvec3 before = state_.cut_short ? glm::dvec3{stylus} : state_.swept_to;
+        int patches = 0;
+        const auto status = sweep(state_.swept_to, stylus, {}, options_.max_patches, patches);
+        return state_.touching ? slide(before, stylus, patches) : without_contact(status, stylus, patches);
+    }
+
     /// Casts from → stylus. Ends touching, at the first crossing, or with the status returned; with `enough` patches, it
     /// is cut short.
     [[nodiscard]] ContactStatus sweep(const glm::dvec3& from, const vec3<Scalar>& stylus,
                                       FirstHitOptions options, int enough, int& patches) noexcept {
-        const glm::dvec3 to = detail::in_double(stylus);
+        const glm::dvec3 to{stylus};
         options.surface = options_.surface;
         options.side = state_.side;
         options.max_cells = glm::max(1, enough - patches);
-        const auto hit = first_hit(*field_, from, to, options);
+        FirstHit<Scalar> hit;
+        detail::search(*field_, from, to, options, hit);
         patches += static_cast<int>(hit.cells);
         state_.touching = hit.status == HitStatus::hit;
         state_.side = hit.side;
@@ -136,8 +142,9 @@ private:
     /// for the reason that `descend` is not.
     [[nodiscard, gnu::noinline]] Contact<Scalar> slide(const glm::dvec3& before, const vec3<Scalar>& stylus,
                                                        int patches) noexcept {
-        state_.swept_to = glm::dvec3{stylus};
-        const int enough = patches + allowed_to_slide(state_.swept_to - before, patches);
+        const glm::dvec3 to{stylus};
+        const int enough = patches + allowed_to_slide(to - before, patches);
+        state_.swept_to = to;
         Scalar nearest = std::numeric_limits<Scalar>::max();
         for (;;) {
             const auto found =
@@ -161,7 +168,7 @@ private:
             nearest = squared;
             // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
             const auto status =
-                sweep(detail::in_double(stylus) + glm::dvec3{found.offset}, stylus,
+                sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
                       {.leaves_within = blur(stylus, found.offset, found.point.cell)}, enough, patches);
             if (!state_.touching) return without_contact(status, stylus, patches);
         }
@@ -227,7 +234,7 @@ private:
     /// The proxy has slid off a rim: the stylus is wherever it is.
     [[nodiscard]] Contact<Scalar> leave(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept {
         state_.side = Side::none;
-        (void)sweep(detail::in_double(stylus), stylus, {}, options_.max_patches, patches);
+        (void)sweep(glm::dvec3{stylus}, stylus, {}, options_.max_patches, patches);
         return without_contact(rim == DescentStatus::off_border ? ContactStatus::left_at_border
                                                                 : ContactStatus::left_at_hole,
                                stylus, patches);
