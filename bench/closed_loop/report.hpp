@@ -40,7 +40,8 @@ struct Findings {
         std::vector<std::string> by_ground;
     };
     std::vector<Detail> details;
-    Lag lag; ///< in everything that was touched
+    Lag lag;     ///< in everything that was touched
+    Lag gliding; ///< of trackers that may slide no farther than a little
 };
 
 /// How much is run: 1 for the report, less for a test.

@@ -83,10 +83,13 @@ void steps(const Effort& effort, Findings& findings) {
         const char* name;
         double cell, depth; // m, cells
         bool in_hand;
+        hfh::TrackerOptions options{};
     };
     // The Touch goes 5 cells an update at 1 m/s.
-    for (const Kind kind : {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
-                            Kind{"in the hand on the Touch", 0.2e-3, 15, true}}) {
+    for (const Kind kind :
+         {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
+          Kind{"in the hand on the Touch", 0.2e-3, 15, true},
+          Kind{"in the hand on the Touch, `max_slide` = 20", 0.2e-3, 15, true, {.max_slide = 20}}}) {
         const auto all = grounds<T>(kind.cell);
         for (const double cells : {0.5, 2.0, 5.0}) {
             double mean = 0, most_99 = 0, largest = 0;
@@ -96,7 +99,8 @@ void steps(const Effort& effort, Findings& findings) {
             for (const auto& ground : all) {
                 Site<T> site{ground.terrain, 14};
                 Touching<T> touching{ground.terrain, stiffness,
-                                     kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited};
+                                     kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited,
+                                     kind.options};
                 Ratios ratios;
                 for (int n = effort.counted(40); n > 0; --n) {
                     const auto path = site.wander(kind.depth * kind.cell, cells * kind.cell, kind.cell, 500);
@@ -105,7 +109,8 @@ void steps(const Effort& effort, Findings& findings) {
                     else
                         rigid(touching, path, ratios);
                 }
-                findings.lag.add(touching);
+                const bool glides = kind.options.max_slide < hfh::TrackerOptions{}.max_slide;
+                (glides ? findings.gliding : findings.lag).add(touching);
                 const double here = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
                 detail.by_ground.push_back(text("%.2f, %.1f, %.0f", here, at_99, top));
                 if (here > mean) mean = here, where = ground.name;

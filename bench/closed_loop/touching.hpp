@@ -18,11 +18,10 @@ namespace closed_loop {
 template <Real T>
 class Touching {
 public:
-    Touching(const hfh::test::Terrain<T>& terrain, double stiffness, double max_force = 1e30)
-        : surface_{terrain}, grid_{terrain.grid()}, tracker_{grid_}, force_{.stiffness =
-                                                                                static_cast<T>(stiffness),
-                                                                            .max_force =
-                                                                                static_cast<T>(max_force)} {}
+    Touching(const hfh::test::Terrain<T>& terrain, double stiffness, double max_force = 1e30,
+             const hfh::TrackerOptions& options = {})
+        : surface_{terrain}, grid_{terrain.grid()}, tracker_{grid_, options},
+          force_{.stiffness = static_cast<T>(stiffness), .max_force = static_cast<T>(max_force)} {}
     Touching(const Touching&) = delete;
     Touching& operator=(const Touching&) = delete;
 

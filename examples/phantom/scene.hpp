@@ -21,7 +21,8 @@ struct Shown {
     hfh::GuardTrip trip = hfh::GuardTrip::none;
 };
 
-/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch.
+/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. Where a ridge lets go
+/// of the proxy far from the stylus it glides, so that updates stay short and the force does not jump.
 template <hfh::HeightField Field>
 class Scene {
 public:
@@ -30,9 +31,8 @@ public:
     /// `stiffness`: N/m at the hand.
     Scene(const Field& field, const hfh::WorkspaceFrame& frame, double stiffness,
           const hfh::GuardLimits& limits)
-        : workspace_{frame}, tracker_{field}, guard_{limits}, force_{.stiffness =
-                                                                         workspace_.terrain_stiffness(
-                                                                             stiffness)} {}
+        : workspace_{frame}, tracker_{field, {.max_slide = 20}}, guard_{limits},
+          force_{.stiffness = workspace_.terrain_stiffness(stiffness)} {}
 
     hfh::DeviceCommand operator()(const hfh::DeviceSample& sample) noexcept {
         if (sample.let_go) tracker_.reset();
