@@ -87,6 +87,33 @@ template <HeightField Field>
            static_cast<double>(patch->p01) < z && static_cast<double>(patch->p11) < z;
 }
 
+/// Whether all cells of a column that the segment may touch have patches, which lie below it. Column `along` is between
+/// grid lines `along` and `along + 1`.
+template <bool along_x, HeightField Field>
+[[nodiscard, gnu::always_inline]] inline bool column_lies_below(const Field& field, Index along,
+                                                                const Profile::Part& part) noexcept {
+    const auto cell = [](Index a, Index b) { return along_x ? Cell{a, b} : Cell{b, a}; };
+    if constexpr (CorneredHeightField<Field>) {
+        if (part.last - part.first <= 1) {
+            const CellRange cells = field.cells();
+            if (!cells.contains(cell(along, part.first)) || !cells.contains(cell(along, part.last)))
+                return false;
+            // Six corners, two of them twice where there is one cell: nobody can foresee where.
+            for (const Index across : {part.first, part.last, part.last + 1}) {
+                if (!(static_cast<double>(field.corner(cell(along, across))) < part.lowest &&
+                      static_cast<double>(field.corner(cell(along + 1, across))) < part.lowest)) {
+                    return false;
+                }
+            }
+            return true;
+        }
+    }
+    for (Index across = part.first; across <= part.last; ++across) {
+        if (!lies_below(field, cell(along, across), part.lowest)) return false;
+    }
+    return true;
+}
+
 /// Columns of which the segment touches no cell, but passes all of them on one side.
 struct Stretch {
     Index columns = 0;
@@ -102,16 +129,7 @@ template <bool along_x, HeightField Field>
                                   Index step, Index count) noexcept {
     for (Index n = 0; n < count; ++n) {
         const Index column = from + n * step;
-        const Profile::Part part = profile.between(column, column + 1);
-        const auto passes_over = [&](Index across) {
-            return lies_below(field, along_x ? Cell{base + column, across} : Cell{across, base + column},
-                              part.lowest);
-        };
-        if (!passes_over(part.first)) return n;
-        if (part.first != part.last && !passes_over(part.last)) return n;
-        for (Index across = part.first + 1; across < part.last; ++across) { // through a vertex, or nearly
-            if (!passes_over(across)) return n;
-        }
+        if (!column_lies_below<along_x>(field, base + column, profile.between(column, column + 1))) return n;
     }
     return count;
 }

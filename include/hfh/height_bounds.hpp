@@ -361,6 +361,7 @@ public:
     [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         return grid_.patch(c);
     }
+    [[nodiscard]] constexpr T corner(Cell c) const noexcept { return grid_.corner(c); }
 
     [[nodiscard]] constexpr int levels() const noexcept { return bounds_.levels(); }
     /// The lowest and the highest corner of the block's patches, to the bit.
