@@ -232,7 +232,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     };
     for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = along.cell;
-        if (profile.usable() && !judge.leaving) {
+        if (profile.usable() && !judge.leaving && first <= here && here < last) {
             const Stretch clear =
                 stretches.next(here - along.base, (stop - here) * step,
                                judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));

@@ -370,8 +370,9 @@ public:
         const auto range = bounds_.range(level, block);
         if (range.holed()) return nothing;
         const T a = grid_.metres(range.lowest), b = grid_.metres(range.highest);
-        // No patch has such a corner.
-        if (!is_finite(a) || !is_finite(b)) return nothing;
+        if constexpr (std::is_floating_point_v<typename Grid::SampleType>) {
+            if (!is_finite(a) || !is_finite(b)) return nothing; // no patch has such a corner
+        }
         return {std::min(a, b), std::max(a, b)};
     }
 
