@@ -190,44 +190,47 @@ struct CellWalk {
         const auto visit_one = [&](const CellSpan& span) {
             return !range.contains(span.cell) || visit(span);
         };
-        // Two cells side by side share a segment that runs along the line between them.
-        const auto visit_row = [&](const CellSpan& span) {
-            if (x.on_line) {
-                CellSpan left = span;
-                --left.cell.i;
-                left.in.x = left.out.x = 1;
-                if (!visit_one(left)) return false;
-            }
-            return visit_one(span);
-        };
-        const auto visit_all = [&](const CellSpan& span) {
-            if (y.on_line) {
-                CellSpan below = span;
-                --below.cell.j;
-                below.in.y = below.out.y = 1;
-                if (!visit_row(below)) return false;
-            }
-            return visit_row(span);
-        };
-
         if (entered) in = {x.entry(t), y.entry(t)};
         entered = false;
         for (;;) {
-            const double t_out = glm::max(t, glm::min(glm::min(x.leave, y.leave), 1.0));
             const bool cross_x = x.leave <= y.leave && x.leave <= 1,
                        cross_y = y.leave <= x.leave && y.leave <= 1;
-            const glm::dvec2 there = t_out == t ? in : glm::dvec2{x.at(t_out), y.at(t_out)};
-            const glm::dvec2 out{cross_x ? x.leaving() : there.x, cross_y ? y.leaving() : there.y};
-            if (!visit_all({{x.cell, y.cell}, t, t_out, in, out})) return false;
+            const double t_out = glm::max(t, glm::min(glm::min(x.leave, y.leave), 1.0));
+            glm::dvec2 out = in;
+            if (cross_x) {
+                out.x = x.leaving();
+            } else if (t_out > t) {
+                out.x = x.at(t_out);
+            }
+            if (cross_y) {
+                out.y = y.leaving();
+            } else if (t_out > t) {
+                out.y = y.at(t_out);
+            }
+            const CellSpan span{{x.cell, y.cell}, t, t_out, in, out};
+            // The cells on the other side of a line, or three others around a vertex, have the span on their border.
+            if (x.on_line || y.on_line) {
+                for (const auto [left, below] : {Cell{1, 1}, Cell{0, 1}, Cell{1, 0}}) {
+                    if ((left > 0 && !x.on_line) || (below > 0 && !y.on_line)) continue;
+                    CellSpan beside = span;
+                    beside.cell = {x.cell - left, y.cell - below};
+                    if (left > 0) beside.in.x = beside.out.x = 1;
+                    if (below > 0) beside.in.y = beside.out.y = 1;
+                    if (!visit_one(beside)) return false;
+                }
+            }
+            if (!visit_one(span)) return false;
             if (!cross_x && !cross_y) return false;
 
             in = out;
             if (cross_x) in.x = 1 - out.x;
             if (cross_y) in.y = 1 - out.y;
             if (cross_x && cross_y) { // through a vertex: it touches the two cells beside the diagonal
-                const glm::dvec2 beside_x{in.x, out.y}, beside_y{out.x, in.y};
-                if (!visit_one({{x.cell + x.step, y.cell}, t_out, t_out, beside_x, beside_x})) return false;
-                if (!visit_one({{x.cell, y.cell + y.step}, t_out, t_out, beside_y, beside_y})) return false;
+                for (const bool by_x : {true, false}) {
+                    const glm::dvec2 there{by_x ? in.x : out.x, by_x ? out.y : in.y};
+                    const Cell beside = by_x ? Cell{x.cell + x.step, y.cell} : Cell{x.cell, y.cell + y.step};
+                    if (!visit_one({beside, t_out, t_out, there, there})) return false;
+                }
             }
             if (cross_x) x.advance();
             if (cross_y) y.advance();
