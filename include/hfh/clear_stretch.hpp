@@ -118,9 +118,10 @@ template <bool along_x, HeightField Field>
         if (part.last - part.first <= 1) {
             if (!across_cells<along_x>(field.cells()).contain(part)) return false;
             // Six corners, two of them twice where there is one cell: nobody can foresee where.
+            // Rounding keeps the order: what is not below z is not below z in T either.
+            const auto z = static_cast<typename Field::Scalar>(part.lowest);
             for (const Index across : {part.first, part.last, part.last + 1}) {
-                if (!(static_cast<double>(field.corner(cell(along, across))) < part.lowest &&
-                      static_cast<double>(field.corner(cell(along + 1, across))) < part.lowest)) {
+                if (!(field.corner(cell(along, across)) < z && field.corner(cell(along + 1, across)) < z)) {
                     return false;
                 }
             }
