@@ -4,6 +4,7 @@
 
 #include <hfh/bilinear_grid.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -387,4 +388,47 @@ TEST_CASE("height_field: the concept asks for four names and takes nothing less"
     STATIC_REQUIRE_FALSE(hfh::HeightField<NotConst>);
     STATIC_REQUIRE_FALSE(hfh::HeightField<Whole>);
     STATIC_REQUIRE_FALSE(hfh::HeightField<int>);
+}
+
+TEMPLATE_PRODUCT_TEST_CASE(
+    "bilinear_grid: a cell has a patch where its corners are numbers, and it has these", "[grid][law]",
+    (std::pair), (HFH_SCALARS_AND_SAMPLES)) {
+    using T = typename TestType::first_type;
+    using S = typename TestType::second_type;
+    constexpr Index w = 9, h = 7;
+    Random random{23};
+    std::vector<S> samples;
+    for (Index n = 0; n < w * h; ++n) {
+        if constexpr (std::is_floating_point_v<S>) {
+            // Some that are no numbers, and some that are too large in metres.
+            const double kinds[]{not_a_number, inf, -inf,
+                                 0.9 * static_cast<double>(std::numeric_limits<S>::max())};
+            const auto kind = random.whole(0, 40);
+            samples.push_back(static_cast<S>(kind < 4 ? kinds[kind] : random.between(-100, 100)));
+        } else {
+            samples.push_back(static_cast<S>(random.whole(0, 30)));
+        }
+    }
+    const HeightView view{samples.data(), w, h, MissingValue{S(21)}};
+    const BilinearGrid<T, HeightView<S, MissingValue<S>>> grid{view, {{1, 2}, {3, 4}, -2.5, 7}};
+    STATIC_REQUIRE(hfh::CorneredHeightField<decltype(grid)>);
+    int holes = 0;
+    for (Index j = 0; j < h - 1; ++j) {
+        for (Index i = 0; i < w - 1; ++i) {
+            const T corners[]{grid.corner({i, j}), grid.corner({i + 1, j}), grid.corner({i, j + 1}),
+                              grid.corner({i + 1, j + 1})};
+            const bool hole =
+                std::any_of(std::begin(corners), std::end(corners), [](T z) { return !std::isfinite(z); });
+            const auto patch = grid.patch({i, j});
+            REQUIRE(patch.has_value() == !hole);
+            holes += hole;
+            if (hole) continue;
+            CHECK(patch->p00 == corners[0]);
+            CHECK(patch->p10 == corners[1]);
+            CHECK(patch->p01 == corners[2]);
+            CHECK(patch->p11 == corners[3]);
+        }
+    }
+    CHECK(holes > 0);
+    CHECK(holes < 40);
 }

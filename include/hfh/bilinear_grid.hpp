@@ -80,6 +80,16 @@ public:
         return found;
     }
 
+    /// The height of sample (c.i, c.j), p00 of the patch over c; NaN where it is missing or not finite. See
+    /// `CorneredHeightField`.
+    [[nodiscard]] constexpr T corner(Cell c) const noexcept {
+        const auto sample = heights_(c.i, c.j);
+        const T height = metres(sample);
+        bool hole = heights_.missing(sample);
+        if constexpr (std::is_floating_point_v<SampleType>) hole = hole || !is_finite(height);
+        return hole ? std::numeric_limits<T>::quiet_NaN() : height;
+    }
+
     /// The height of a corner with this sample: never falls as the sample rises, or never rises if the scale is negative.
     [[nodiscard]] constexpr T metres(SampleType sample) const noexcept {
         return height_offset_ + height_scale_ * static_cast<T>(sample);

@@ -48,10 +48,12 @@ struct AxisWalk {
     Index base, first, cell, last; ///< cell of a; cells where the walk begins, is and ends
     Index step;                    ///< +1, −1, or 0 for a segment that does not move along this axis
     double spacing, per_metre;
-    double a, d;       ///< start and displacement, in metres from line `base`
-    double start, end; ///< a and b in cells from lines `first` and `last`
-    bool on_line;      ///< the whole segment lies on the line between `cell − 1` and `cell`
-    Index end_line;    ///< the grid line that b is on, if any
+    double a, d;          ///< start and displacement, in metres from line `base`
+    double start, end;    ///< a and b in cells from lines `first` and `last`
+    bool on_line;         ///< the whole segment lies on the line between `cell − 1` and `cell`
+    Index end_line;       ///< the grid line that b is on, if any
+    double leave = never; ///< when the segment goes on from `cell` into the next one
+    bool beyond = false;  ///< after `skip_to`: the line on which `cell` is entered was met before t
 
     /// From `begin` to `goal`, `displacement` metres further.
     AxisWalk(const Split& begin, const Split& goal, double displacement, double dx,
@@ -93,9 +95,14 @@ struct AxisWalk {
         return in_cells((a - static_cast<double>(cell - base) * spacing) + t * d);
     }
     /// Position at t, where the walk begins in the current cell: to the bit on a line that is met at t.
-    [[nodiscard]] double entry(double t) const noexcept {
-        if (cell != first && time_at(step > 0 ? cell : cell + 1) >= t) return 1 - leaving();
-        return next() <= t ? leaving() : at(t);
+    [[nodiscard]] double entry(double t) noexcept {
+        if (t == 0) leave = next(); // no skip_to has told
+        if (cell != first && !beyond && time_at(step > 0 ? cell : cell + 1) >= t) return 1 - leaving();
+        return leave <= t ? leaving() : at(t);
+    }
+    void advance() noexcept {
+        cell += step;
+        leave = next();
     }
     /// The line on which the current cell is left (1 or 0).
     [[nodiscard]] double leaving() const noexcept { return step > 0 ? 1 : 0; }
@@ -111,15 +118,18 @@ struct AxisWalk {
         if ((last - out) * step > 0) t_leave = glm::min(t_leave, time_at(step > 0 ? past : from));
         return true;
     }
-    /// Goes to the earliest cell of from ≤ i < past that holds the position at t.
+    /// Goes to the earliest cell of from ≤ i < past that holds the position at t > 0.
     void skip_to(double t, Index from, Index past) noexcept {
         if (step == 0) return;
-        const auto near = base + static_cast<Index>(std::floor((a + t * d) * per_metre));
-        Index there = glm::clamp(near - step, glm::min(first, last), glm::max(first, last));
-        there = glm::clamp(there, from, past - 1);
+        // A cell that is entered before t, by more than rounding.
+        const double number = (a + t * d) * per_metre;
+        const double blur = 64 * epsilon<double> * (std::abs(number) + 2);
+        const auto near = base + static_cast<Index>(std::floor(step > 0 ? number - blur : number + blur));
+        cell = glm::clamp(near, glm::min(first, last), glm::max(first, last));
+        cell = glm::clamp(cell, from, past - 1);
+        beyond = cell == near;
         const Index stop = glm::clamp(last, from, past - 1);
-        while (there != stop && time_at(step > 0 ? there + 1 : there) < t) there += step;
-        cell = there;
+        for (leave = next(); cell != stop && leave < t; advance()) beyond = true;
     }
 };
 
@@ -142,7 +152,8 @@ struct SplitEnds {
 struct CellWalk {
     AxisWalk x, y;
     double t = AxisWalk::never; ///< when the segment enters the cell that is visited next
-    glm::dvec2 in{};            ///< (u, v) there
+    glm::dvec2 in{};            ///< (u, v) there, once a cell has been visited
+    bool entered = false;       ///< none has been since `enter`
 
     CellWalk(const Lattice& lattice, const SplitEnds& ends, const glm::dvec2& displacement) noexcept
         : x{ends.ax, ends.bx, displacement.x, lattice.spacing().x, lattice.cells_per_metre().x},
@@ -162,7 +173,7 @@ struct CellWalk {
             x.skip_to(t, range.first.i, range.last.i);
             y.skip_to(t, range.first.j, range.last.j);
         }
-        in = {x.entry(t), y.entry(t)};
+        entered = true;
         return true;
     }
 
@@ -172,55 +183,59 @@ struct CellWalk {
                ((range.first.j <= y.cell && y.cell < range.last.j) || y.on_line);
     }
 
-    /// Visits the cells of `range`, until the next one is not in `part`: then true. False if the visitor stopped it, or
+    /// Visits the cells of `range`, until the next one is not in `part`, which is in `range`: then true. False if the visitor stopped it, or
     /// the segment left `range` or ended.
     template <class Visitor>
     bool visit(const CellRange& range, const CellRange& part, Visitor&& visit) noexcept {
         const auto visit_one = [&](const CellSpan& span) {
             return !range.contains(span.cell) || visit(span);
         };
-        // Two cells side by side share a segment that runs along the line between them.
-        const auto visit_row = [&](const CellSpan& span) {
-            if (x.on_line) {
-                CellSpan left = span;
-                --left.cell.i;
-                left.in.x = left.out.x = 1;
-                if (!visit_one(left)) return false;
-            }
-            return visit_one(span);
-        };
-        const auto visit_all = [&](const CellSpan& span) {
-            if (y.on_line) {
-                CellSpan below = span;
-                --below.cell.j;
-                below.in.y = below.out.y = 1;
-                if (!visit_row(below)) return false;
-            }
-            return visit_row(span);
-        };
-
-        double next_x = x.next(), next_y = y.next();
+        if (entered) in = {x.entry(t), y.entry(t)};
+        entered = false;
         for (;;) {
-            const double t_out = glm::max(t, glm::min(glm::min(next_x, next_y), 1.0));
-            const bool cross_x = next_x <= next_y && next_x <= 1, cross_y = next_y <= next_x && next_y <= 1;
-            const glm::dvec2 there = t_out == t ? in : glm::dvec2{x.at(t_out), y.at(t_out)};
-            const glm::dvec2 out{cross_x ? x.leaving() : there.x, cross_y ? y.leaving() : there.y};
-            if (!visit_all({{x.cell, y.cell}, t, t_out, in, out})) return false;
+            const bool cross_x = x.leave <= y.leave && x.leave <= 1,
+                       cross_y = y.leave <= x.leave && y.leave <= 1;
+            const double t_out = glm::max(t, glm::min(glm::min(x.leave, y.leave), 1.0));
+            glm::dvec2 out = in;
+            if (cross_x) {
+                out.x = x.leaving();
+            } else if (t_out > t) {
+                out.x = x.at(t_out);
+            }
+            if (cross_y) {
+                out.y = y.leaving();
+            } else if (t_out > t) {
+                out.y = y.at(t_out);
+            }
+            const CellSpan span{{x.cell, y.cell}, t, t_out, in, out};
+            // The cells on the other side of a line, or three others around a vertex, have the span on their border.
+            if (x.on_line || y.on_line) {
+                for (const auto [left, below] : {Cell{1, 1}, Cell{0, 1}, Cell{1, 0}}) {
+                    if ((left > 0 && !x.on_line) || (below > 0 && !y.on_line)) continue;
+                    CellSpan beside = span;
+                    beside.cell = {x.cell - left, y.cell - below};
+                    if (left > 0) beside.in.x = beside.out.x = 1;
+                    if (below > 0) beside.in.y = beside.out.y = 1;
+                    if (!visit_one(beside)) return false;
+                }
+            }
+            if (!visit_one(span)) return false;
             if (!cross_x && !cross_y) return false;
 
             in = out;
             if (cross_x) in.x = 1 - out.x;
             if (cross_y) in.y = 1 - out.y;
             if (cross_x && cross_y) { // through a vertex: it touches the two cells beside the diagonal
-                const glm::dvec2 beside_x{in.x, out.y}, beside_y{out.x, in.y};
-                if (!visit_one({{x.cell + x.step, y.cell}, t_out, t_out, beside_x, beside_x})) return false;
-                if (!visit_one({{x.cell, y.cell + y.step}, t_out, t_out, beside_y, beside_y})) return false;
+                for (const bool by_x : {true, false}) {
+                    const glm::dvec2 there{by_x ? in.x : out.x, by_x ? out.y : in.y};
+                    const Cell beside = by_x ? Cell{x.cell + x.step, y.cell} : Cell{x.cell, y.cell + y.step};
+                    if (!visit_one({beside, t_out, t_out, there, there})) return false;
+                }
             }
-            if (cross_x) x.cell += x.step, next_x = x.next();
-            if (cross_y) y.cell += y.step, next_y = y.next();
+            if (cross_x) x.advance();
+            if (cross_y) y.advance();
             t = t_out;
-            if (!inside(range)) return false;
-            if (!inside(part)) return true;
+            if (!inside(part)) return inside(range);
         }
     }
 };

@@ -66,6 +66,15 @@ public:
         return std::abs(m - k) + std::abs(between(m, m).first - between(k, k).first);
     }
 
+    /// How many lines on from line k, in steps of ±1, it takes to come down to z, about; 0 if it does not come down.
+    [[nodiscard]] Index lines_over(double z, Index k, Index step) const noexcept {
+        const double slope = z_step_ * static_cast<double>(step);
+        const double room = z_ + static_cast<double>(k) * z_step_ - z;
+        if (!(slope < 0 && room > 0)) return 0;
+        constexpr double far = static_cast<double>(CellRange::endless().last.i);
+        return static_cast<Index>(glm::min(room / -slope, far));
+    }
+
 private:
     [[nodiscard]] Index cell(double number) const noexcept {
         return base_ + static_cast<Index>(std::floor(number));
@@ -87,6 +96,44 @@ template <HeightField Field>
            static_cast<double>(patch->p01) < z && static_cast<double>(patch->p11) < z;
 }
 
+/// The cells of a range across the segment.
+struct AcrossCells {
+    Index first, past;
+    [[nodiscard]] bool contain(const Profile::Part& part) const noexcept {
+        return first <= part.first && part.last < past;
+    }
+};
+template <bool along_x>
+[[nodiscard]] AcrossCells across_cells(const CellRange& cells) noexcept {
+    return along_x ? AcrossCells{cells.first.j, cells.last.j} : AcrossCells{cells.first.i, cells.last.i};
+}
+
+/// Whether all cells of a column that the segment may touch have patches, which lie below it. Column `along` is between
+/// grid lines `along` and `along + 1`. Precondition: there are cells that far along.
+template <bool along_x, HeightField Field>
+[[nodiscard, gnu::always_inline]] inline bool column_lies_below(const Field& field, Index along,
+                                                                const Profile::Part& part) noexcept {
+    const auto cell = [](Index a, Index b) { return along_x ? Cell{a, b} : Cell{b, a}; };
+    if constexpr (CorneredHeightField<Field>) {
+        if (part.last - part.first <= 1) {
+            if (!across_cells<along_x>(field.cells()).contain(part)) return false;
+            // Six corners, two of them twice where there is one cell: nobody can foresee where.
+            // Rounding keeps the order: what is not below z is not below z in T either.
+            const auto z = static_cast<typename Field::Scalar>(part.lowest);
+            for (const Index across : {part.first, part.last, part.last + 1}) {
+                if (!(field.corner(cell(along, across)) < z && field.corner(cell(along + 1, across)) < z)) {
+                    return false;
+                }
+            }
+            return true;
+        }
+    }
+    for (Index across = part.first; across <= part.last; ++across) {
+        if (!lies_below(field, cell(along, across), part.lowest)) return false;
+    }
+    return true;
+}
+
 /// Columns of which the segment touches no cell, but passes all of them on one side.
 struct Stretch {
     Index columns = 0;
@@ -102,16 +149,7 @@ template <bool along_x, HeightField Field>
                                   Index step, Index count) noexcept {
     for (Index n = 0; n < count; ++n) {
         const Index column = from + n * step;
-        const Profile::Part part = profile.between(column, column + 1);
-        const auto passes_over = [&](Index across) {
-            return lies_below(field, along_x ? Cell{base + column, across} : Cell{across, base + column},
-                              part.lowest);
-        };
-        if (!passes_over(part.first)) return n;
-        if (part.first != part.last && !passes_over(part.last)) return n;
-        for (Index across = part.first + 1; across < part.last; ++across) { // through a vertex, or nearly
-            if (!passes_over(across)) return n;
-        }
+        if (!column_lies_below<along_x>(field, base + column, profile.between(column, column + 1))) return n;
     }
     return count;
 }
@@ -154,14 +192,20 @@ public:
                 continue;
             }
             const Index width = glm::min(columns_left(level_, here), left);
-            const Side passes = side_of_blocks(here, width, found.looked_at);
-            if (passes != Side::none && (found.side == passes || found.side == Side::none)) {
-                found.side = passes;
-                found.columns += width;
-                const bool higher = level_ + 1 < field_.levels() &&
-                                    columns_left(level_ + 1, here + width * step_) == side_length(level_ + 1);
-                if (higher) ++level_;
-            } else if (level_ > 0) {
+            const Stretch clear = clear_of_blocks(here, width);
+            ++found.looked_at;
+            if (clear.columns > 0 && (found.side == clear.side || found.side == Side::none)) {
+                found.side = clear.side;
+                found.columns += clear.columns;
+                if (clear.columns == width) {
+                    const bool higher =
+                        level_ + 1 < field_.levels() &&
+                        columns_left(level_ + 1, here + width * step_) == side_length(level_ + 1);
+                    if (higher) ++level_;
+                    continue;
+                }
+            }
+            if (level_ > 0) {
                 --level_;
             } else {
                 cells_to_ = here + columns_left(0, here) * step_;
@@ -183,27 +227,28 @@ private:
         const Index within = (base_ + column) & (side_length(level) - 1);
         return step_ > 0 ? side_length(level) - within : within + 1;
     }
-    /// On which side of all blocks that it may touch over these columns of one block the segment passes, if it does.
-    [[nodiscard]] Side side_of_blocks(Index from, Index columns, Index& looked_at) const noexcept {
-        const Index first = step_ > 0 ? from : from - columns + 1, past = first + columns;
-        const Profile::Part part = profile_.between(first, past);
-        const CellRange cells = field_.cells();
-        const auto cell = [](Index along, Index across) {
-            return along_x ? Cell{along, across} : Cell{across, along};
-        };
-        ++looked_at;
-        if (!cells.contains(cell(base_ + first, part.first)) ||
-            !cells.contains(cell(base_ + past - 1, part.last))) {
-            return Side::none;
-        }
+    /// Of these columns of one block, how many the segment passes on one side of the blocks that it may touch over them:
+    /// all, or those before it comes down to the highest.
+    [[nodiscard]] Stretch clear_of_blocks(Index from, Index columns) const noexcept {
+        const Index first = step_ > 0 ? from : from - columns + 1;
+        const Profile::Part part = profile_.between(first, first + columns);
         const int bits = block_bits + level_;
-        bool above = true, below = true;
-        for (Index across = part.first >> bits; across <= part.last >> bits; ++across) {
-            const auto range = field_.block_range(level_, cell((base_ + first) >> bits, across));
-            above = above && static_cast<double>(range.highest) < part.lowest;
-            below = below && part.highest < static_cast<double>(range.lowest);
+        const Index along = (base_ + first) >> bits, here = part.first >> bits, there = part.last >> bits;
+        // As wide as they are long, they are two but for rounding.
+        if (!across_cells<along_x>(field_.cells()).contain(part) || there - here > 1) return {};
+        const auto one = block_range(along, here), other = block_range(along, there);
+        const double highest = static_cast<double>(glm::max(one.highest, other.highest));
+        if (highest < part.lowest) return {columns, Side::above};
+        if (part.highest < static_cast<double>(glm::min(one.lowest, other.lowest))) {
+            return {columns, Side::below};
         }
-        return above ? Side::above : below ? Side::below : Side::none;
+        const Index line = step_ > 0 ? from : from + 1;
+        const Index over = glm::min(profile_.lines_over(highest, line, step_), columns - 1);
+        const bool clear = over > 0 && highest < profile_.between(line, line + over * step_).lowest;
+        return {clear ? over : 0, Side::above};
+    }
+    [[nodiscard]] auto block_range(Index along, Index across) const noexcept {
+        return field_.block_range(level_, along_x ? Cell{along, across} : Cell{across, along});
     }
 
     const Field& field_;

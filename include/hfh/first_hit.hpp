@@ -86,8 +86,9 @@ struct Judge {
         covered_to = t;
     }
 
-    /// The next cell of a walk; false if the search is over.
-    bool operator()(const CellSpan& span) noexcept {
+    /// The next cell of a walk; false if the search is over. Inlined, for a span that goes through memory costs 4 % of a
+    /// cast.
+    [[gnu::always_inline]] bool operator()(const CellSpan& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none;
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
         const double searched_to = glm::max(span.t_in, covered_to);
@@ -237,7 +238,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     };
     for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = along.cell;
-        if (profile.usable() && !judge.leaving) {
+        if (profile.usable() && !judge.leaving && first <= here && here < last) {
             const Stretch clear =
                 stretches.next(here - along.base, (stop - here) * step,
                                judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));

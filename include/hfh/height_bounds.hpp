@@ -361,6 +361,7 @@ public:
     [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         return grid_.patch(c);
     }
+    [[nodiscard]] constexpr T corner(Cell c) const noexcept { return grid_.corner(c); }
 
     [[nodiscard]] constexpr int levels() const noexcept { return bounds_.levels(); }
     /// The lowest and the highest corner of the block's patches, to the bit.
@@ -369,8 +370,9 @@ public:
         const auto range = bounds_.range(level, block);
         if (range.holed()) return nothing;
         const T a = grid_.metres(range.lowest), b = grid_.metres(range.highest);
-        // No patch has such a corner.
-        if (!is_finite(a) || !is_finite(b)) return nothing;
+        if constexpr (std::is_floating_point_v<typename Grid::SampleType>) {
+            if (!is_finite(a) || !is_finite(b)) return nothing; // no patch has such a corner
+        }
         return {std::min(a, b), std::max(a, b)};
     }
 

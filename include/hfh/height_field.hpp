@@ -30,6 +30,18 @@ concept HeightField = Real<typename F::Scalar>
     };
 // clang-format on
 
+/// A height field that has its corners one by one, so that a search makes no patches of what it only passes over.
+/// `corner(c)` is, to the bit, the corner that the patches around grid lines c.i and c.j share, p00 of the one over c. It
+/// is NaN where one is missing, and a cell of cells() has a patch exactly where its four corners are numbers.
+/// Precondition of `corner`: c, or a neighbour of it on a lower line, is in cells().
+// clang-format off
+template <class F>
+concept CorneredHeightField = HeightField<F>
+    && requires(const F& field, Cell c) {
+        { field.corner(c) } noexcept -> std::same_as<typename F::Scalar>;
+    };
+// clang-format on
+
 namespace detail {
 /// log₂ of the cells along a side of a block of level 0.
 inline constexpr int block_bits = 4;
