@@ -183,8 +183,8 @@ struct CellWalk {
                ((range.first.j <= y.cell && y.cell < range.last.j) || y.on_line);
     }
 
-    /// Visits the cells of `range`, until the next one is not in `part`, which is in `range`: then true. False if the visitor stopped it, or
-    /// the segment left `range` or ended.
+    /// Visits the cells of `range`, until the next one is not in `part`, which is in `range`: then true. False if the
+    /// visitor stopped it, or the segment left `range` or ended.
     template <class Visitor>
     bool visit(const CellRange& range, const CellRange& part, Visitor&& visit) noexcept {
         const auto visit_one = [&](const CellSpan& span) {

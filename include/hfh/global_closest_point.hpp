@@ -63,8 +63,8 @@ struct Interval {
 ///     φ(v) = ½ [dy² (v − v_q)² + dx² h² / (dx² + s²)],   h = height of the gap over (u_q, v),  s = z_u at v
 ///     φ'(v) = dy² (v − v_q) + dx² h k / (dx² + s²)²,     k = h' dx² + c s
 ///
-/// h, s and k are linear in v and c = q₁₀ q₀₁ − q₀₀ q₁₁ of the corner gaps, written z_u z_v − q₀₀ A at corner 00. The stationary points of the patch are the
-/// roots of φ'; there are at most five.
+/// h, s and k are linear in v and c = q₁₀ q₀₁ − q₀₀ q₁₁ of the corner gaps, written z_u z_v − q₀₀ A at corner 00. The
+/// stationary points of the patch are the roots of φ'; there are at most five.
 class ValleyFloor {
 public:
     ValleyFloor(const DistanceFunction<double>& f) noexcept
