@@ -176,10 +176,12 @@ private:
 
     /// How many patches the proxy may slide over, after so many have been looked at, for a stylus that moved by `way`.
     [[nodiscard]] int allowed_to_slide(const glm::dvec3& way, int patches) const noexcept {
+        const int left = options_.max_patches - patches;
+        if (options_.max_slide >= left) return left;
         const glm::dvec2 per_metre = field_->lattice().cells_per_metre();
         const double cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
-        return static_cast<int>(glm::min(static_cast<double>(options_.max_slide) + 3 * cells,
-                                         static_cast<double>(options_.max_patches - patches)));
+        return static_cast<int>(
+            glm::min(static_cast<double>(options_.max_slide) + 3 * cells, static_cast<double>(left)));
     }
 
     /// Whether the stylus has the surface right above it (felt from below: right below it). While the proxy is on its
