@@ -402,3 +402,24 @@ TEMPLATE_TEST_CASE("clear stretch: bounds let a long flight ask for few blocks a
         }
     }
 }
+
+TEMPLATE_TEST_CASE("clear stretch: bounds help a flight along the diagonal of the blocks as well",
+                   "[clear_stretch]", float, double) {
+    using T = TestType;
+    const auto ground = hfh::test::hills<T>(1025, 1025, 10, 38);
+    const Bounded<T> bounded{ground};
+    Index asked = 0, blocks = 0;
+    const Counting<std::remove_cvref_t<decltype(bounded.grid)>> counting{bounded.grid, &asked, &blocks};
+    for (const double z : {12.0, -12.0}) {
+        for (const bool back : {false, true}) {
+            for (const bool mirrored : {false, true}) {
+                asked = blocks = 0;
+                dvec3 a{8, mirrored ? 1016 : 8, z}, b{1016, mirrored ? 8 : 1016, z};
+                if (back) std::swap(a, b);
+                CHECK(hfh::first_hit(counting, a, b).side == (z > 0 ? Side::above : Side::below));
+                CHECK(asked <= 8);   // around the ends, which are vertices
+                CHECK(blocks <= 60); // three through each vertex, up six levels and down again
+            }
+        }
+    }
+}

@@ -234,14 +234,19 @@ private:
         const Profile::Part part = profile_.between(first, first + columns);
         const int bits = block_bits + level_;
         const Index along = (base_ + first) >> bits, here = part.first >> bits, there = part.last >> bits;
-        // As wide as they are long, they are two but for rounding.
-        if (!across_cells<along_x>(field_.cells()).contain(part) || there - here > 1) return {};
+        if (!across_cells<along_x>(field_.cells()).contain(part)) return {};
+        // As wide as they are long, they are one or two, which nobody can foresee; three where the segment goes through a
+        // vertex.
         const auto one = block_range(along, here), other = block_range(along, there);
-        const double highest = static_cast<double>(glm::max(one.highest, other.highest));
-        if (highest < part.lowest) return {columns, Side::above};
-        if (part.highest < static_cast<double>(glm::min(one.lowest, other.lowest))) {
-            return {columns, Side::below};
+        auto top = glm::max(one.highest, other.highest), bottom = glm::min(one.lowest, other.lowest);
+        if (there - here > 1) [[unlikely]] {
+            const auto between = block_range(along, here + 1);
+            top = glm::max(top, between.highest);
+            bottom = glm::min(bottom, between.lowest);
         }
+        const double highest = static_cast<double>(top);
+        if (highest < part.lowest) return {columns, Side::above};
+        if (part.highest < static_cast<double>(bottom)) return {columns, Side::below};
         const Index line = step_ > 0 ? from : from + 1;
         const Index over = glm::min(profile_.lines_over(highest, line, step_), columns - 1);
         const bool clear = over > 0 && highest < profile_.between(line, line + over * step_).lowest;
