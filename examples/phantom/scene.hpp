@@ -22,7 +22,7 @@ struct Shown {
 };
 
 /// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. Where a ridge lets go
-/// of the proxy far from the stylus it glides, so that updates stay short and the force does not jump.
+/// of the proxy far from the stylus it glides, so that no update takes long.
 template <hfh::HeightField Field>
 class Scene {
 public:

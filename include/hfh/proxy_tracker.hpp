@@ -21,8 +21,8 @@ struct TrackerOptions {
     int max_patches = 8192;
     /// Of these, the work of a proxy that slides: so many, and three more for each cell that the stylus moved. A ridge
     /// or a hollow can hold a proxy hundreds of cells away from a stylus that goes on below it; let go, it slides all of
-    /// that way in one update, which takes up to 60 µs and ends in a jump of the force. With 20 here it glides there in
-    /// some updates, and the force with it, and no update up to 5 cells on takes longer than 3 µs: 5 cells below
+    /// that way in one update, which takes up to 0.1 ms and ends in a jump of the force. With 20 here it glides there in
+    /// some updates, and the force with it, and no update up to 5 cells on takes longer than 5 µs: 5 cells below
     /// Sugarhouse one update in 800 ends on the way, below ground as steep as ten times Moab one in 20; half a cell below
     /// them none and one in 800.
     int max_slide = 8192;
