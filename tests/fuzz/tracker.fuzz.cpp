@@ -310,7 +310,9 @@ private:
 
     void judge(const vec3<T>& stylus, const TrackerState<T>& before, const Contact<T>& c) {
         const bool solid = options_.surface == SurfaceKind::solid;
-        const bool worked = c.patches >= std::min(options_.max_slide, options_.max_patches);
+        const TrackerOptions ample;
+        const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
+        const bool worked = limited && c.patches >= std::min(options_.max_slide, options_.max_patches);
         const Point q = wide(stylus);
         const auto under = surface_.under(
             q.x, q.y, 1e-12L * (1 + std::abs(surface_.column_of(q.x)) + std::abs(surface_.row_of(q.y))));

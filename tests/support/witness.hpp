@@ -63,8 +63,13 @@ public:
     }
 
 private:
-    /// The work of an update in which the stylus rests.
-    [[nodiscard]] int allowed_at_least() const { return std::min(options_.max_slide, options_.max_patches); }
+    /// Whether an update may end before its work is done: never with what is allowed by default, and else not before the
+    /// work of one in which the stylus rests.
+    [[nodiscard]] bool may_stop(int patches) const {
+        const TrackerOptions ample;
+        const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
+        return limited && patches >= std::min(options_.max_slide, options_.max_patches);
+    }
 
     [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
         const Wide eps = static_cast<Wide>(epsilon<T>);
@@ -129,7 +134,7 @@ private:
                 const Wide fall = surface.template fall<T>(at, q);
                 if (fall > 64)
                     return "a patch leads down: " + std::to_string(static_cast<double>(fall)) + " ulp-scales";
-            } else if (c.patches < allowed_at_least()) {
+            } else if (!may_stop(c.patches)) {
                 return "ran out of work";
             }
             return {};
@@ -139,7 +144,7 @@ private:
             return "not touching, but something is felt";
         }
         switch (c.status) {
-        case ContactStatus::sweep_limit: return c.patches < allowed_at_least() ? "ran out of work" : "";
+        case ContactStatus::sweep_limit: return may_stop(c.patches) ? "" : "ran out of work";
         case ContactStatus::free:
             if (!under) return "free over nothing";
             if (solid && above < -tolerance) return "free below the surface";
