@@ -423,3 +423,18 @@ TEMPLATE_TEST_CASE("clear stretch: bounds help a flight along the diagonal of th
         }
     }
 }
+
+TEMPLATE_TEST_CASE("clear stretch: a peak in the block between two vertices is in the way of the diagonal",
+                   "[clear_stretch]", float, double) {
+    using T = TestType;
+    auto ground = hfh::test::hills<T>(1025, 1025, 10, 38);
+    ground.at(505, 505) = T(50);
+    const Bounded<T> bounded{ground};
+    for (const bool back : {false, true}) {
+        dvec3 a{8, 8, 12}, b{1016, 1016, 12};
+        if (back) std::swap(a, b);
+        const auto found = hfh::first_hit(bounded.grid, a, b);
+        REQUIRE(found.status == HitStatus::hit);
+        CHECK(found.point.cell == (back ? Cell{505, 505} : Cell{504, 504}));
+    }
+}
