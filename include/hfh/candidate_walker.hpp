@@ -104,6 +104,12 @@ struct AxisWalk {
         cell += step;
         leave = next();
     }
+    /// Goes to a cell further on, to the line on which it is entered.
+    void enter(Index further) noexcept {
+        cell = further;
+        beyond = false;
+        leave = next();
+    }
     /// The line on which the current cell is left (1 or 0).
     [[nodiscard]] double leaving() const noexcept { return step > 0 ? 1 : 0; }
 
@@ -175,6 +181,14 @@ struct CellWalk {
         }
         entered = true;
         return true;
+    }
+
+    /// Goes on at t, when the segment enters a cell along one axis and is in from ≤ i < past on the other.
+    void go_on(AxisWalk& along, AxisWalk& across, Index cell, double when, Index from, Index past) noexcept {
+        along.enter(cell);
+        across.skip_to(when, from, past);
+        t = when;
+        entered = true;
     }
 
     /// Whether the next cell is in the range.

@@ -18,9 +18,14 @@
 
 namespace hfh::detail {
 
-/// A segment seen along its longer axis. Line k is grid line `along.base + k` of that axis.
+/// A segment seen along its longer axis. Lines and columns are counted in the direction of the segment: line k is grid
+/// line `along.base` ± k of that axis, and column k lies between lines k and k + 1.
 class Profile {
 public:
+    /// Where the segment is on a line: in cells across, and its height.
+    struct Crossing {
+        double cell, z;
+    };
     /// Cells across which the segment may touch between two lines, and heights that it stays between there.
     struct Part {
         Index first, last;
@@ -30,16 +35,16 @@ public:
     /// `along` and `across` are the axes of the segment, from az to bz. Precondition: it goes a cell along or more, and
     /// not less than across.
     Profile(const AxisWalk& along, const AxisWalk& across, double az, double bz) noexcept
-        : base_{across.base} {
+        : along_base_{along.base}, backwards_{along.step < 0 ? -1 : 0}, across_base_{across.base} {
         // t = (k − start)/length; cell and height are linear in t.
-        const double start = along.a * along.per_metre, per_line = 1 / (along.d * along.per_metre);
+        const double length = std::abs(along.d * along.per_metre), per_line = 1 / length;
+        const double start = along.a * along.per_metre * static_cast<double>(along.step);
         cell_step_ = across.d * across.per_metre * per_line;
         z_step_ = (bz - az) * per_line;
         cell_ = across.a * across.per_metre - start * cell_step_;
         z_ = az - start * z_step_;
         // Some ulps of the largest numbers that go in; lines k are at most two cells beyond the ends. The rests in
         // `along` and `across` have the rounding of the number of the cell.
-        const double length = std::abs(along.d * along.per_metre);
         cell_blur_ = 32 * epsilon<double> *
                      (std::abs(static_cast<double>(along.base)) + std::abs(static_cast<double>(across.base)) +
                       length + 4);
@@ -51,38 +56,54 @@ public:
     /// Whether the numbers of the cells are known well enough to be of use.
     [[nodiscard]] bool usable() const noexcept { return cell_blur_ < 0.125; }
 
+    // ~k = −1 − k, without a branch on the direction, which nobody can foresee.
+    /// The cells along of column k, and back.
+    [[nodiscard]] Index cell_along(Index column) const noexcept {
+        return along_base_ + (column ^ backwards_);
+    }
+    [[nodiscard]] Index column_of(Index cell) const noexcept { return (cell - along_base_) ^ backwards_; }
+    /// The number of line k in the grid.
+    [[nodiscard]] Index grid_line(Index k) const noexcept { return cell_along(k) - backwards_; }
+
+    /// How many columns of its block lie before a column, if blocks are 2ⁿ columns wide.
+    [[nodiscard]] Index columns_before(Index column, Index width) const noexcept {
+        return (cell_along(column) ^ backwards_) & (width - 1);
+    }
+
+    [[nodiscard]] Crossing crossing(double line) const noexcept {
+        return {cell_ + line * cell_step_, z_ + line * z_step_};
+    }
+    [[nodiscard]] Part between(const Crossing& a, const Crossing& b) const noexcept {
+        return {cell(glm::min(a.cell, b.cell) - cell_blur_), cell(glm::max(a.cell, b.cell) + cell_blur_),
+                glm::max(glm::min(a.z, b.z) - z_blur_, z_low_),
+                glm::min(glm::max(a.z, b.z) + z_blur_, z_high_)};
+    }
     /// Between lines k and m.
     [[nodiscard]] Part between(Index k, Index m) const noexcept {
-        const double at_k = static_cast<double>(k), at_m = static_cast<double>(m);
-        const double cell_k = cell_ + at_k * cell_step_, cell_m = cell_ + at_m * cell_step_;
-        const double z_k = z_ + at_k * z_step_, z_m = z_ + at_m * z_step_;
-        return {cell(glm::min(cell_k, cell_m) - cell_blur_), cell(glm::max(cell_k, cell_m) + cell_blur_),
-                glm::max(glm::min(z_k, z_m) - z_blur_, z_low_),
-                glm::min(glm::max(z_k, z_m) + z_blur_, z_high_)};
+        return between(crossing(static_cast<double>(k)), crossing(static_cast<double>(m)));
     }
 
-    /// How many cells there are between the lines, where the segment passes no vertex.
+    /// How many cells there are between lines k ≤ m, where the segment passes no vertex.
     [[nodiscard]] Index cells(Index k, Index m) const noexcept {
-        return std::abs(m - k) + std::abs(between(m, m).first - between(k, k).first);
+        return m - k + std::abs(between(m, m).first - between(k, k).first);
     }
 
-    /// How many lines on from line k, in steps of ±1, it takes to come down to z, about; 0 if it does not come down.
-    [[nodiscard]] Index lines_over(double z, Index k, Index step) const noexcept {
-        const double slope = z_step_ * static_cast<double>(step);
-        const double room = z_ + static_cast<double>(k) * z_step_ - z;
-        if (!(slope < 0 && room > 0)) return 0;
+    /// How many lines on from line k it takes to come down to z, about; 0 if it does not come down.
+    [[nodiscard]] Index lines_over(double z, Index k) const noexcept {
+        const double room = crossing(static_cast<double>(k)).z - z;
+        if (!(z_step_ < 0 && room > 0)) return 0;
         constexpr double far = static_cast<double>(CellRange::endless().last.i);
-        return static_cast<Index>(glm::min(room / -slope, far));
+        return static_cast<Index>(glm::min(room / -z_step_, far));
     }
 
 private:
     [[nodiscard]] Index cell(double number) const noexcept {
-        return base_ + static_cast<Index>(std::floor(number));
+        return across_base_ + static_cast<Index>(std::floor(number));
     }
 
-    Index base_;
+    Index along_base_, backwards_, across_base_;
     double cell_, cell_step_,
-        cell_blur_; ///< across, in cells from line `base_`: on line 0, per line, how well known
+        cell_blur_; ///< across, in cells from `across_base_`: on line 0, per line, how well known
     double z_, z_step_, z_blur_, z_low_, z_high_; ///< the same of the height, and both ends
 };
 
@@ -117,15 +138,13 @@ template <bool along_x, HeightField Field>
     if constexpr (CorneredHeightField<Field>) {
         if (part.last - part.first <= 1) {
             if (!across_cells<along_x>(field.cells()).contain(part)) return false;
-            // Six corners, two of them twice where there is one cell: nobody can foresee where.
+            // Two cells or one: nobody can foresee where. So six corners, two of them twice where there is one.
             // Rounding keeps the order: what is not below z is not below z in T either.
-            const auto z = static_cast<typename Field::Scalar>(part.lowest);
-            for (const Index across : {part.first, part.last, part.last + 1}) {
-                if (!(field.corner(cell(along, across)) < z && field.corner(cell(along + 1, across)) < z)) {
-                    return false;
-                }
-            }
-            return true;
+            const Index past = part.last + 1, next = along + 1;
+            return field.corners_below({cell(along, part.first), cell(next, part.first),
+                                        cell(along, part.last), cell(next, part.last), cell(along, past),
+                                        cell(next, past)},
+                                       static_cast<typename Field::Scalar>(part.lowest));
         }
     }
     for (Index across = part.first; across <= part.last; ++across) {
@@ -141,34 +160,19 @@ struct Stretch {
     Index looked_at = 0; ///< cells and blocks, about
 };
 
-/// Of `count` columns from column `from` on, in steps of `step` = ±1, how many the segment passes over: every cell of
-/// them that it may touch has a patch that lies below it. Columns are counted from line 0 of the profile, which is grid
-/// line `base`.
-template <bool along_x, HeightField Field>
-[[nodiscard]] Index clear_columns(const Field& field, const Profile& profile, Index base, Index from,
-                                  Index step, Index count) noexcept {
-    for (Index n = 0; n < count; ++n) {
-        const Index column = from + n * step;
-        if (!column_lies_below<along_x>(field, base + column, profile.between(column, column + 1))) return n;
-    }
-    return count;
-}
-
 /// Finds one stretch after the other along a segment.
 template <bool along_x, HeightField Field>
 class Stretches {
 public:
-    Stretches(const Field& field, const Profile& profile, Index base, Index step) noexcept
-        : field_{field}, profile_{profile}, base_{base}, step_{step} {}
+    Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {}
 
     /// From column `from` on, of the next `count`. On `side`, if it is known. Looks at `budget` cells at the most, and
     /// up to three more.
     [[nodiscard]] Stretch next(Index from, Index count, Index budget, Side side) noexcept {
         // No column has more than three cells.
         if (side == Side::below) return {};
-        const Index clear =
-            clear_columns<along_x>(field_, profile_, base_, from, step_, glm::min(count, budget / 3));
-        return {clear, Side::above, clear > 0 ? looked_at(from, clear) : 0};
+        const Index clear = clear_columns(from, glm::min(count, budget / 3));
+        return {clear, Side::above, clear > 0 ? profile_.cells(from, from + clear) : 0};
     }
 
     /// The same for a field with bounds, by blocks: larger ones where there is much room, smaller ones where there is
@@ -177,16 +181,16 @@ public:
                                Side side) noexcept requires BoundedHeightField<Field> {
         Stretch found{0, side, 0};
         while (found.columns < count && found.looked_at < budget) {
-            const Index here = from + found.columns * step_, left = count - found.columns;
-            if ((cells_to_ - here) * step_ > 0) {
+            const Index here = from + found.columns, left = count - found.columns;
+            if (here < cells_to_) {
                 if (found.side == Side::below) break; // judged exactly until then
-                const Index wanted = glm::min(glm::min((cells_to_ - here) * step_, left),
+                const Index wanted = glm::min(glm::min(cells_to_ - here, left),
                                               glm::max<Index>((budget - found.looked_at) / 3, 1));
-                const Index clear = clear_columns<along_x>(field_, profile_, base_, here, step_, wanted);
+                const Index clear = clear_columns(here, wanted);
                 if (clear > 0) {
                     found.columns += clear;
                     found.side = Side::above;
-                    found.looked_at += looked_at(here, clear);
+                    found.looked_at += profile_.cells(here, here + clear);
                 }
                 if (clear < wanted) break;
                 continue;
@@ -198,9 +202,8 @@ public:
                 found.side = clear.side;
                 found.columns += clear.columns;
                 if (clear.columns == width) {
-                    const bool higher =
-                        level_ + 1 < field_.levels() &&
-                        columns_left(level_ + 1, here + width * step_) == side_length(level_ + 1);
+                    const bool higher = level_ + 1 < field_.levels() &&
+                                        columns_left(level_ + 1, here + width) == side_length(level_ + 1);
                     if (higher) ++level_;
                     continue;
                 }
@@ -208,32 +211,43 @@ public:
             if (level_ > 0) {
                 --level_;
             } else {
-                cells_to_ = here + columns_left(0, here) * step_;
+                cells_to_ = here + columns_left(0, here);
             }
         }
         return found;
     }
 
 private:
-    [[nodiscard]] Index looked_at(Index from, Index columns) const noexcept {
-        const Index line = step_ > 0 ? from : from + 1;
-        return profile_.cells(line, line + columns * step_);
+    /// Of `count` columns from column `from` on, how many the segment passes over: every cell of them that it may touch
+    /// has a patch that lies below it.
+    [[nodiscard]] Index clear_columns(Index from, Index count) const noexcept {
+        double line = static_cast<double>(from);
+        auto here = profile_.crossing(line);
+        for (Index n = 0; n < count; ++n) {
+            const auto there = profile_.crossing(++line);
+            if (!column_lies_below<along_x>(field_, profile_.cell_along(from + n),
+                                            profile_.between(here, there))) {
+                return n;
+            }
+            here = there;
+        }
+        return count;
     }
+
     [[nodiscard]] static constexpr Index side_length(int level) noexcept {
         return Index{1} << (block_bits + level);
     }
     /// From a column to the last one of its block, both counted.
     [[nodiscard]] Index columns_left(int level, Index column) const noexcept {
-        const Index within = (base_ + column) & (side_length(level) - 1);
-        return step_ > 0 ? side_length(level) - within : within + 1;
+        return side_length(level) - profile_.columns_before(column, side_length(level));
     }
     /// Of these columns of one block, how many the segment passes on one side of the blocks that it may touch over them:
     /// all, or those before it comes down to the highest.
     [[nodiscard]] Stretch clear_of_blocks(Index from, Index columns) const noexcept {
-        const Index first = step_ > 0 ? from : from - columns + 1;
-        const Profile::Part part = profile_.between(first, first + columns);
+        const Profile::Part part = profile_.between(from, from + columns);
         const int bits = block_bits + level_;
-        const Index along = (base_ + first) >> bits, here = part.first >> bits, there = part.last >> bits;
+        const Index along = profile_.cell_along(from) >> bits, here = part.first >> bits,
+                    there = part.last >> bits;
         if (!across_cells<along_x>(field_.cells()).contain(part)) return {};
         // As wide as they are long, they are one or two, which nobody can foresee; three where the segment goes through a
         // vertex.
@@ -247,9 +261,8 @@ private:
         const double highest = static_cast<double>(top);
         if (highest < part.lowest) return {columns, Side::above};
         if (part.highest < static_cast<double>(bottom)) return {columns, Side::below};
-        const Index line = step_ > 0 ? from : from + 1;
-        const Index over = glm::min(profile_.lines_over(highest, line, step_), columns - 1);
-        const bool clear = over > 0 && highest < profile_.between(line, line + over * step_).lowest;
+        const Index over = glm::min(profile_.lines_over(highest, from), columns - 1);
+        const bool clear = over > 0 && highest < profile_.between(from, from + over).lowest;
         return {clear ? over : 0, Side::above};
     }
     [[nodiscard]] auto block_range(Index along, Index across) const noexcept {
@@ -258,9 +271,9 @@ private:
 
     const Field& field_;
     const Profile& profile_;
-    Index base_, step_;
     int level_ = 0;
-    Index cells_to_ = 0; ///< columns before this one are looked at cell by cell
+    Index cells_to_ =
+        std::numeric_limits<Index>::min(); ///< columns before this one are looked at cell by cell
 };
 
 } // namespace hfh::detail

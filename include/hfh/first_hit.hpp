@@ -225,34 +225,37 @@ template <HeightField Field>
 template <bool along_x, HeightField Field>
 void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, Judge<Field>& judge) noexcept {
     if (!walk.enter(range)) return;
-    const AxisWalk &along = along_x ? walk.x : walk.y, &across = along_x ? walk.y : walk.x;
+    AxisWalk &along = along_x ? walk.x : walk.y, &across = along_x ? walk.y : walk.x;
     const Profile profile{along, across, judge.a.z, judge.b.z};
-    const Index first = along_x ? range.first.i : range.first.j, last = along_x ? range.last.i : range.last.j;
-    const Index step = along.step, stop = glm::clamp(along.last, first, last - 1) + step;
-    Stretches<along_x, Field> stretches{field, profile, along.base, step};
-    // The columns from `from` to before `to` in the direction of the segment.
+    const CellRange ahead =
+        along_x ? range : CellRange{{range.first.j, range.first.i}, {range.last.j, range.last.i}};
+    const Index end = profile.column_of(along.last) + 1;
+    const Index stop = profile.column_of(glm::clamp(along.last, ahead.first.i, ahead.last.i - 1)) + 1;
+    Stretches<along_x, Field> stretches{field, profile};
     const auto columns = [&](Index from, Index to) {
-        const Index low = step > 0 ? from : to + 1, past = step > 0 ? to : from + 1;
+        const Index a = profile.cell_along(from), b = profile.cell_along(to - 1);
+        const Index low = glm::min(a, b), past = glm::max(a, b) + 1;
         return along_x ? CellRange{{low, range.first.j}, {past, range.last.j}}
                        : CellRange{{range.first.i, low}, {range.last.i, past}};
     };
     for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
-        const Index here = along.cell;
-        if (profile.usable() && !judge.leaving && first <= here && here < last) {
-            const Stretch clear =
-                stretches.next(here - along.base, (stop - here) * step,
-                               judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));
+        const Index here = profile.column_of(along.cell);
+        Index from = here;
+        if (profile.usable() && !judge.leaving && ahead.first.i <= along.cell && along.cell < ahead.last.i) {
+            const Stretch clear = stretches.next(
+                here, stop - here, judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));
             judge.result.cells += clear.looked_at;
             if (clear.columns > 0) {
-                const Index there = here + clear.columns * step;
-                judge.pass(there == along.last + step ? 1 : along.time_at(step > 0 ? there : there + 1),
-                           clear.side);
-                if (there == stop || !walk.enter(columns(there, stop))) return;
+                from += clear.columns;
+                const double t = from == end ? 1 : along.time_at(profile.grid_line(from));
+                judge.pass(t, clear.side);
+                if (from == stop) return;
+                walk.go_on(along, across, profile.cell_along(from), t, ahead.first.j, ahead.last.j);
                 block = 1;
             }
         }
-        const Index past = std::abs(stop - along.cell) > block ? along.cell + block * step : stop;
-        if (!walk.visit(range, columns(along.cell, past), judge)) return;
+        const Index past = glm::min(from + block, stop);
+        if (!walk.visit(range, columns(from, past), judge)) return;
     }
 }
 

@@ -361,7 +361,10 @@ public:
     [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         return grid_.patch(c);
     }
-    [[nodiscard]] constexpr T corner(Cell c) const noexcept { return grid_.corner(c); }
+    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Cell (&corners)[6],
+                                                                   T z) const noexcept {
+        return grid_.corners_below(corners, z);
+    }
 
     [[nodiscard]] constexpr int levels() const noexcept { return bounds_.levels(); }
     /// The lowest and the highest corner of the block's patches, to the bit.

@@ -30,15 +30,16 @@ concept HeightField = Real<typename F::Scalar>
     };
 // clang-format on
 
-/// A height field that has its corners one by one, so that a search makes no patches of what it only passes over.
-/// `corner(c)` is, to the bit, the corner that the patches around grid lines c.i and c.j share, p00 of the one over c. It
-/// is NaN where one is missing, and a cell of cells() has a patch exactly where its four corners are numbers.
-/// Precondition of `corner`: c, or a neighbour of it on a lower line, is in cells().
+/// A height field that compares corners with a height without making patches of them, for a search to pass over: worth it
+/// where samples are at hand, and not where each has to be computed. `corners_below(corners, z)` tells whether all six
+/// are corners of patches and below z, to the bit. They are those of two cells that share an edge, or of one, two of them
+/// twice; a cell of cells() has a patch exactly where its four corners have heights. Precondition: the cells are in
+/// cells().
 // clang-format off
 template <class F>
 concept CorneredHeightField = HeightField<F>
-    && requires(const F& field, Cell c) {
-        { field.corner(c) } noexcept -> std::same_as<typename F::Scalar>;
+    && requires(const F& field, const Cell (&corners)[6], typename F::Scalar z) {
+        { field.corners_below(corners, z) } noexcept -> std::same_as<bool>;
     };
 // clang-format on
 
