@@ -191,7 +191,10 @@ public:
     [[nodiscard]] constexpr int levels() const noexcept { return levels_; }
     /// Bounds nothing where there is no such block, and if the status is not ok.
     [[nodiscard]] constexpr Range range(int level, Cell block) const noexcept {
-        if (ranges_ == nullptr || level < 0 || level >= levels_ || !blocks(level).contains(block)) return {};
+        if (status_ != BoundsStatus::ok || level < 0 || level >= levels_) return {};
+        const Level& row = level_[level];
+        const auto i = static_cast<std::size_t>(block.i), j = static_cast<std::size_t>(block.j);
+        if (i >= static_cast<std::size_t>(row.columns) || j >= static_cast<std::size_t>(row.rows)) return {};
         return at(level, block);
     }
 
@@ -233,6 +236,11 @@ public:
     }
 
 private:
+    /// Where its blocks are in `ranges_`, and how many there are.
+    struct Level {
+        Index start, columns, rows;
+    };
+
     /// Sets all members but the storage and the status; the ranges needed, at most as many as an Index can count.
     constexpr Index lay_out(Index columns, Index rows) noexcept {
         if (columns < 2 || rows < 2) return 0;
@@ -242,8 +250,9 @@ private:
         levels_ = 1 + static_cast<int>(std::bit_width(static_cast<std::size_t>(std::max(last.i, last.j))));
         Index count = 0;
         for (int level = 0; level < levels_; ++level) {
-            starts_[level] = count;
-            const auto [i, j] = blocks(level).last;
+            const int bits = detail::block_bits + level;
+            const Index i = ((columns - 2) >> bits) + 1, j = ((rows - 2) >> bits) + 1;
+            level_[level] = {count, i, j};
             constexpr Index most = std::numeric_limits<Index>::max();
             if (i > (most - count) / j) return most;
             count += i * j;
@@ -251,12 +260,8 @@ private:
         return count;
     }
 
-    [[nodiscard]] constexpr CellRange blocks(int level) const noexcept {
-        const int bits = detail::block_bits + level;
-        return {{0, 0}, {((columns_ - 2) >> bits) + 1, ((rows_ - 2) >> bits) + 1}};
-    }
     [[nodiscard]] constexpr Range& at(int level, Cell block) const noexcept {
-        return ranges_[starts_[level] + block.j * blocks(level).last.i + block.i];
+        return ranges_[level_[level].start + block.j * level_[level].columns + block.i];
     }
 
     /// Both together; holed if one is.
@@ -265,9 +270,9 @@ private:
         return {std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
     }
     constexpr void join_below(int level, Cell block) noexcept {
-        const Cell last = blocks(level - 1).last;
-        const Index i = 2 * block.i, j = 2 * block.j, east = std::min(i + 1, last.i - 1),
-                    north = std::min(j + 1, last.j - 1);
+        const Level& below = level_[level - 1];
+        const Index i = 2 * block.i, j = 2 * block.j, east = std::min(i + 1, below.columns - 1),
+                    north = std::min(j + 1, below.rows - 1);
         at(level, block) = join(join(at(level - 1, {i, j}), at(level - 1, {east, j})),
                                 join(at(level - 1, {i, north}), at(level - 1, {east, north})));
     }
@@ -323,7 +328,7 @@ private:
     Range* ranges_ = nullptr;
     Index columns_ = 0; // of samples
     Index rows_ = 0;
-    Index starts_[std::numeric_limits<Index>::digits - detail::block_bits + 1] = {}; // of levels in ranges_
+    Level level_[std::numeric_limits<Index>::digits - detail::block_bits + 1] = {};
     int levels_ = 0;
     BoundsStatus status_ = BoundsStatus::too_few_samples;
 };
