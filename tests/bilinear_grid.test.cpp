@@ -391,7 +391,7 @@ TEST_CASE("height_field: the concept asks for four names and takes nothing less"
 }
 
 TEMPLATE_PRODUCT_TEST_CASE(
-    "bilinear_grid: a cell has a patch where its corners are numbers, and it has these", "[grid][law]",
+    "bilinear_grid: six corners are below what two patches exist below, and nothing else", "[grid][law]",
     (std::pair), (HFH_SCALARS_AND_SAMPLES)) {
     using T = typename TestType::first_type;
     using S = typename TestType::second_type;
@@ -410,25 +410,58 @@ TEMPLATE_PRODUCT_TEST_CASE(
         }
     }
     const HeightView view{samples.data(), w, h, MissingValue{S(21)}};
-    const BilinearGrid<T, HeightView<S, MissingValue<S>>> grid{view, {{1, 2}, {3, 4}, -2.5, 7}};
-    STATIC_REQUIRE(hfh::CorneredHeightField<decltype(grid)>);
-    int holes = 0;
-    for (Index j = 0; j < h - 1; ++j) {
-        for (Index i = 0; i < w - 1; ++i) {
-            const T corners[]{grid.corner({i, j}), grid.corner({i + 1, j}), grid.corner({i, j + 1}),
-                              grid.corner({i + 1, j + 1})};
-            const bool hole =
-                std::any_of(std::begin(corners), std::end(corners), [](T z) { return !std::isfinite(z); });
-            const auto patch = grid.patch({i, j});
-            REQUIRE(patch.has_value() == !hole);
-            holes += hole;
-            if (hole) continue;
-            CHECK(patch->p00 == corners[0]);
-            CHECK(patch->p10 == corners[1]);
-            CHECK(patch->p01 == corners[2]);
-            CHECK(patch->p11 == corners[3]);
+    for (const double scale : {-2.5, 0.75, 0.0}) {
+        const BilinearGrid<T, HeightView<S, MissingValue<S>>> grid{view, {{1, 2}, {3, 4}, scale, 7}};
+        STATIC_REQUIRE(hfh::CorneredHeightField<decltype(grid)>);
+        int holes = 0, below = 0;
+        // Two cells beside each other, one above the other, or one.
+        for (const auto [di, dj] : {Cell{1, 0}, Cell{0, 1}, Cell{0, 0}}) {
+            for (Index j = 0; j < h - 1 - dj; ++j) {
+                for (Index i = 0; i < w - 1 - di; ++i) {
+                    const Index k = i + di, m = j + dj;
+                    const Cell beside[]{{i, j}, {i, j + 1}, {k, j}, {k, j + 1}, {k + 1, j}, {k + 1, j + 1}},
+                        above[]{{i, j}, {i + 1, j}, {i, m}, {i + 1, m}, {i, m + 1}, {i + 1, m + 1}};
+                    const auto& six = di > 0 ? beside : above;
+                    const auto one = grid.patch({i, j}), other = grid.patch({k, m});
+                    if (!one || !other) {
+                        ++holes;
+                        CHECK_FALSE(grid.corners_below(six, std::numeric_limits<T>::max()));
+                        continue;
+                    }
+                    const T highest = std::max(one->highest(), other->highest());
+                    CHECK_FALSE(grid.corners_below(six, highest));
+                    CHECK(grid.corners_below(six, std::nextafter(highest, std::numeric_limits<T>::max())));
+                    ++below;
+                }
+            }
+        }
+        CHECK(holes > 0);
+        CHECK(below > holes);
+    }
+}
+
+namespace {
+/// A source that leaves it to the grid to find out what is no number.
+struct Trusting {
+    using SampleType = double;
+    const double* samples;
+    [[nodiscard]] Index columns() const noexcept { return 2; }
+    [[nodiscard]] Index rows() const noexcept { return 2; }
+    [[nodiscard]] double operator()(Index i, Index j) const noexcept { return samples[i + 2 * j]; }
+    [[nodiscard]] bool missing(double) const noexcept { return false; }
+};
+} // namespace
+
+TEST_CASE("bilinear_grid: no number is below anything, whichever corner it is at", "[grid][law]") {
+    for (const double bad : {not_a_number, inf, -inf}) {
+        for (int at = 0; at < 4; ++at) {
+            double samples[]{1, 2, 3, 4};
+            const BilinearGrid<double, Trusting> grid{Trusting{samples}, {}};
+            const Cell six[]{{0, 0}, {1, 0}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
+            CHECK(grid.corners_below(six, 5));
+            samples[at] = bad;
+            CHECK_FALSE(grid.patch({0, 0}));
+            CHECK_FALSE(grid.corners_below(six, 5));
         }
     }
-    CHECK(holes > 0);
-    CHECK(holes < 40);
 }
