@@ -165,6 +165,12 @@ struct CellWalk {
         : x{ends.ax, ends.bx, displacement.x, lattice.spacing().x, lattice.cells_per_metre().x},
           y{ends.ay, ends.by, displacement.y, lattice.spacing().y, lattice.cells_per_metre().y} {}
 
+    /// Goes on from the cell in which both axes were put, where the segment comes in at t.
+    void enter_at(double when) noexcept {
+        t = when;
+        entered = true;
+    }
+
     /// Goes to the first cell of the range. False if the segment never is there.
     [[nodiscard]] bool enter(const CellRange& range) noexcept {
         double t_enter = 0, t_leave = 1;
@@ -172,23 +178,14 @@ struct CellWalk {
             !y.clip(range.first.j, range.last.j, t_enter, t_leave) || t_enter > t_leave) {
             return false;
         }
-        t = t_enter;
         x.cell = x.first;
         y.cell = y.first;
-        if (t > 0) {
-            x.skip_to(t, range.first.i, range.last.i);
-            y.skip_to(t, range.first.j, range.last.j);
+        if (t_enter > 0) {
+            x.skip_to(t_enter, range.first.i, range.last.i);
+            y.skip_to(t_enter, range.first.j, range.last.j);
         }
-        entered = true;
+        enter_at(t_enter);
         return true;
-    }
-
-    /// Goes on at t, when the segment enters a cell along one axis and is in from ≤ i < past on the other.
-    void go_on(AxisWalk& along, AxisWalk& across, Index cell, double when, Index from, Index past) noexcept {
-        along.enter(cell);
-        across.skip_to(when, from, past);
-        t = when;
-        entered = true;
     }
 
     /// Whether the next cell is in the range.

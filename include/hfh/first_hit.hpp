@@ -227,10 +227,11 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     if (!walk.enter(range)) return;
     AxisWalk &along = along_x ? walk.x : walk.y, &across = along_x ? walk.y : walk.x;
     const Profile profile{along, across, judge.a.z, judge.b.z};
-    const CellRange ahead =
+    // Along is i, across is j.
+    const CellRange turned =
         along_x ? range : CellRange{{range.first.j, range.first.i}, {range.last.j, range.last.i}};
     const Index end = profile.column_of(along.last) + 1;
-    const Index stop = profile.column_of(glm::clamp(along.last, ahead.first.i, ahead.last.i - 1)) + 1;
+    const Index stop = profile.column_of(glm::clamp(along.last, turned.first.i, turned.last.i - 1)) + 1;
     Stretches<along_x, Field> stretches{field, profile};
     const auto columns = [&](Index from, Index to) {
         const Index a = profile.cell_along(from), b = profile.cell_along(to - 1);
@@ -241,7 +242,8 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = profile.column_of(along.cell);
         Index from = here;
-        if (profile.usable() && !judge.leaving && ahead.first.i <= along.cell && along.cell < ahead.last.i) {
+        if (profile.usable() && !judge.leaving && turned.first.i <= along.cell &&
+            along.cell < turned.last.i) {
             const Stretch clear = stretches.next(
                 here, stop - here, judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));
             judge.result.cells += clear.looked_at;
@@ -250,7 +252,9 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
                 const double t = from == end ? 1 : along.time_at(profile.grid_line(from));
                 judge.pass(t, clear.side);
                 if (from == stop) return;
-                walk.go_on(along, across, profile.cell_along(from), t, ahead.first.j, ahead.last.j);
+                along.enter(profile.cell_along(from));
+                across.skip_to(t, turned.first.j, turned.last.j);
+                walk.enter_at(t);
                 block = 1;
             }
         }
