@@ -166,14 +166,36 @@ TEST_CASE("touch_terrain device: holds what its guard lets through, and no more"
             const auto felt = device.feel({0, 0, 1e6}, buried);
             CHECK(felt.newtons.z <= 3.3 * std::min(1.0, sample.t / 0.5) * (1 + 1e-9));
             CHECK((felt.trip == hfh::GuardTrip::buried) == buried);
+            CHECK((!buried || felt.newtons == glm::dvec3{0.0}));
         }
         return (sample.position.z - 100) / 10; // metres in the hand
     };
-    CHECK(after(0.9, true) == 0);
+    CHECK(after(0.001, true) == 0);
     // 3.3 N against a grip of 300 N/m and a friction of 0.26 N, at a quarter of the ramp and after it.
     CHECK(after(0.125, false) < 3.3 / 4 / 300);
     CHECK(after(0.125, false) > 0.2 * 3.3 / 4 / 300);
     CHECK(after(0.9, false) == Approx(3.3 / 300).epsilon(0.1));
+}
+
+TEST_CASE("touch_terrain device: below the surface the hand moves up until it is out, then back",
+          "[touch_terrain]") {
+    // A hand at rest for a second, 10 m of terrain to a metre, 4 mm of hand below the surface.
+    const std::vector<demo::StylusSample> rest{{0, {500, 250, 100}}, {1, {500, 250, 100}}};
+    demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, rest};
+    constexpr double lag =
+        0.26 / 300 + 0.1 * 4 / 300; // m: friction against the grip, and its damping at 0.1 m/s
+    double out = 0, highest = 0, last = 0;
+    while (const auto next = device.next()) {
+        CHECK(next->position.x == 500);
+        last = (next->position.z - 100) / 10; // metres in the hand
+        highest = std::max(highest, last);
+        if (out == 0 && last > 0.004) out = next->t;
+        (void)device.feel({0, 0, 0}, out == 0);
+    }
+    CHECK(out > 0.004 / 0.1);
+    CHECK(out < (0.004 + 2 * lag) / 0.1);
+    CHECK(highest < 0.004 + 2 * lag);
+    CHECK(std::abs(last) < lag);
 }
 
 TEST_CASE("touch_terrain relief: north is in the last row, and north-west slopes are lit",

@@ -319,6 +319,50 @@ TEST_CASE("touch_terrain: says by name what tripped the guard, and when", "[touc
     }
 }
 
+TEST_CASE("touch_terrain: behind a hole that it fell into the hand comes up and lands again",
+          "[touch_terrain]") {
+    // Level ground with a gap from x = 2 to 5, crossed below the surface.
+    const Folder folder;
+    folder.samples<float>("t.bil", {0, 0, 0, 9, 9, 0, 0, 0, 0, 0, 0, 9, 9, 0, 0, 0});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 8\nNBITS 32\nPIXELTYPE FLOAT\nNODATA 9\n");
+    folder.text("p.csv", "t,x,y,z\n0,0.5,0.5,0.3\n1,0.8,0.5,-0.3\n4,6.5,0.5,-0.3\n");
+    const std::string device = GENERATE("touch", "premium");
+    CAPTURE(device);
+    const Run run = folder.run("t.bil --path p.csv --record out.csv --device " + device);
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find("; trips: buried 1 (see ") != std::string::npos);
+    const auto rows = rows_of(contents(folder / "out.csv"));
+    std::vector<std::string> went; // one status after the other
+    std::size_t buried = 0;
+    for (const Row& row : rows) {
+        if (went.empty() || went.back() != row.status) went.push_back(row.status);
+        buried += row.status == "buried";
+    }
+    std::string all;
+    for (const std::string& status : went) all += status + ' ';
+    CHECK(all == "free contact left_at_hole off_surface buried free contact ");
+    CHECK(buried < 200); // 0.3 of 6 m is 17 of a Premium's 343 mm, at 0.1 m/s
+}
+
+TEST_CASE("touch_terrain: on a terrain full of holes the hand is never below the surface for long",
+          "[touch_terrain][real]") {
+    const std::string file = HFH_SHARED_DATA_DIR "/swissalps_voids.bil";
+    if (!fs::exists(file)) return;
+    const Folder folder;
+    const std::string device = GENERATE("touch", "premium");
+    CAPTURE(device);
+    REQUIRE(folder.run("'" + file + "' --record out.csv --device " + device).code == 0);
+    std::size_t touching = 0, buried = 0, longest = 0;
+    for (const Row& row : rows_of(contents(folder / "out.csv"))) {
+        touching += row.contact;
+        buried = row.status == "buried" ? buried + 1 : 0;
+        longest = std::max(longest, buried);
+    }
+    CHECK(touching > 11000);
+    CHECK(longest > 0);
+    CHECK(longest < 100);
+}
+
 TEST_CASE("touch_terrain: a device goes along any path that fits a scale, and refuses others",
           "[touch_terrain]") {
     const Folder folder;

@@ -12,6 +12,7 @@ namespace demo {
 namespace {
 
 constexpr double longest = 86400; // s
+constexpr double lifting = 0.1;   // m/s of the hand, out of the ground and back to the path
 
 double seconds_in(const std::vector<StylusSample>& path) noexcept { return path.back().t - path.front().t; }
 
@@ -48,7 +49,7 @@ hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
 
 DeviceInHand::DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame,
                            std::vector<StylusSample> wanted)
-    : path_{std::move(wanted)}, workspace_{frame}, device_{model, {}, Wanted{&path_, &workspace_}, 0},
+    : path_{std::move(wanted)}, workspace_{frame}, device_{model, {}, Wanted{&path_, &workspace_, &lift_}, 0},
       guard_{limits_for(model.capabilities)} {
     if (!(seconds_in(path_) <= longest)) {
         throw BadInput{"The path takes " + rounded(seconds_in(path_)) +
@@ -68,6 +69,7 @@ std::optional<StylusSample> DeviceInHand::next() {
 hfh::GuardedForce DeviceInHand::feel(const glm::dvec3& newtons, bool buried) noexcept {
     const auto guarded = guard_.update(device_.sample(), workspace_.force_at_hand(newtons), buried);
     newtons_ = guarded.newtons;
+    lift_ = std::max(0.0, lift_ + (buried ? lifting : -lifting) * device_.period());
     return guarded;
 }
 
@@ -86,7 +88,7 @@ glm::dvec3 DeviceInHand::Wanted::operator()(double t) const noexcept {
     } else if (next == path->begin()) {
         position = path->front().position;
     }
-    return workspace->to_hand(position);
+    return workspace->to_hand(position) + glm::dvec3{0, 0, *lift};
 }
 
 } // namespace demo

@@ -28,6 +28,9 @@ namespace demo {
 /// A simulated device in a hand that wants to go along a path: where the stylus gets is up to the hand, the device and
 /// the forces, which go through a guard, as they have to where the motors are real. (A real device may refuse a force as
 /// well and say so, which the tracker has to hear of: examples/phantom/scene.hpp.)
+///
+/// A hand that the ground let go of at a hole may come below the surface behind it, where it feels nothing. It moves up
+/// there until it is out, as a person would, and lands again.
 class DeviceInHand {
 public:
     /// `wanted`: at least one sample, in the terrain, between which the hand moves evenly. Throws BadInput where it takes
@@ -40,7 +43,7 @@ public:
     /// Where the stylus is, in the terrain, an update after the last call; nothing once the path is at its end.
     [[nodiscard]] std::optional<StylusSample> next();
     /// What the terrain asks for at the sample that `next` gave last, in newtons there; gives what the hand feels until
-    /// the next. `buried`: the contact's status.
+    /// the next. `buried`: the contact's status; lifts the hand.
     hfh::GuardedForce feel(const glm::dvec3& newtons, bool buried) noexcept;
 
     [[nodiscard]] const hfh::Workspace<double>& workspace() const noexcept { return workspace_; }
@@ -52,11 +55,13 @@ private:
     struct Wanted {
         const std::vector<StylusSample>* path;
         const hfh::Workspace<double>* workspace;
+        const double* lift;
         [[nodiscard]] glm::dvec3 operator()(double t) const noexcept;
     };
 
     std::vector<StylusSample> path_;
     hfh::Workspace<double> workspace_;
+    double lift_ = 0; ///< how far above its path the hand wants to be, in its metres
     hfh::SimulatedDevice<Wanted> device_;
     hfh::ForceGuard guard_;
     glm::dvec3 newtons_{0.0}; ///< at the hand

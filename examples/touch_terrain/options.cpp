@@ -83,8 +83,8 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     app.add_option(
            "--device", device,
            "touch or premium: a simulated device, in a hand that wants to go along the path and gives "
-           "way to the force, which goes through a guard. none: the stylus is on the path, whatever the "
-           "force. Default: touch; with --path none")
+           "way to the force, which goes through a guard; below the surface it moves up until it is out. "
+           "none: the stylus is on the path, whatever the force. Default: touch; with --path none")
         ->type_name("DEVICE");
     app.add_option(
            "--stiffness", stiffness,
