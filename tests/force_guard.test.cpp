@@ -4,6 +4,7 @@
 
 #include <hfh/force_guard.hpp>
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -77,6 +78,11 @@ TEST_CASE("ForceGuard: the force comes up by the ramp at the start and is then p
     CHECK(late.trip == GuardTrip::none);
     CHECK(bench.guard.counts().ramped > 490);
     CHECK(bench.guard.counts().zeroed == 0);
+
+    Bench idle; // nothing to shorten
+    idle.asked = {};
+    CHECK_FALSE(idle.step(100).ramped);
+    CHECK(idle.guard.counts().ramped == 0);
 }
 
 TEST_CASE("ForceGuard: clamps by length, keeps the direction, and says so", "[force_guard]") {
@@ -122,6 +128,17 @@ TEST_CASE("ForceGuard: a force that is no number is zero at once, though the sle
     }
 }
 
+TEST_CASE("ForceGuard: a force below 2^64 N is a number, and shortened; one of 2^64 N is none",
+          "[force_guard]") {
+    auto bench = warm();
+    bench.asked.z = std::nextafter(0x1p64, 0.0);
+    const auto result = bench.step(10);
+    CHECK(result.trip == GuardTrip::none);
+    CHECK(result.newtons.z == Approx(3.3));
+    bench.asked.z = 0x1p64;
+    CHECK(bench.step().trip == GuardTrip::bad_force);
+}
+
 TEST_CASE("ForceGuard: a sample that is no number is zero at once and not remembered", "[force_guard]") {
     for (const double bad :
          {make_nan(), make_signalling_nan(), make_infinity(), -make_infinity(), make_largest()}) {
@@ -151,6 +168,11 @@ TEST_CASE("ForceGuard: a gap in time, or time that falls, is stale", "[force_gua
     auto spared = warm();
     spared.sample.time += 0.0085;
     CHECK(spared.step().trip == GuardTrip::none);
+
+    ForceGuard dyadic{{.max_gap = 0.25}}; // to the bit
+    CHECK(dyadic.update({.time = 1}, {}).trip == GuardTrip::none);
+    CHECK(dyadic.update({.time = 1.25}, {}).trip == GuardTrip::none);
+    CHECK(dyadic.update({.time = std::nextafter(1.5, 2.0)}, {}).trip == GuardTrip::stale);
 }
 
 TEST_CASE("ForceGuard: while time stands still the force does too, for max_repeats updates",
@@ -186,6 +208,10 @@ TEST_CASE("ForceGuard: the same place for longer than max_still is a repeated sa
     still(2);
     CHECK(result.trip == GuardTrip::repeated);
     check_comes_back_by_the_ramp(bench);
+
+    bench = Bench{{.max_still = 0.1}}; // from the very start, at whatever time that is
+    still(100);
+    CHECK(bench.trips(GuardTrip::repeated) == 0);
 
     bench = warm();
     still(100000);

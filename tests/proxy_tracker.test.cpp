@@ -289,6 +289,24 @@ TEMPLATE_TEST_CASE("ProxyTracker: on the surface itself it pulls nowhere", "[pro
     CHECK(witness.first_fault == "");
 }
 
+TEMPLATE_TEST_CASE("ProxyTracker: is felt however deep it is, to the bit on level ground", "[proxy_tracker]",
+                   float, double) {
+    using T = TestType;
+    const auto ground = plane<T>(9, 9);
+    const auto grid = ground.grid();
+    ProxyTracker tracker{grid};
+    CHECK(tracker.update({T(4.5), T(4.25), T(1)}).status == ContactStatus::free);
+    const int deepest = std::same_as<T, float> ? 30 : 254;
+    for (int power = -20; power <= deepest; ++power) {
+        CAPTURE(power);
+        const T depth = std::ldexp(T(1), power);
+        const auto c = tracker.update({T(4.5), T(4.25), -depth});
+        REQUIRE(c.status == ContactStatus::contact);
+        REQUIRE(c.penetration == vec3<T>{T(0), T(0), depth});
+        REQUIRE(c.depth == depth);
+    }
+}
+
 TEMPLATE_TEST_CASE("ProxyTracker: slides off the border, says so once, and is off the surface then",
                    "[proxy_tracker]", float, double) {
     using T = TestType;
@@ -878,6 +896,11 @@ TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minim
         CHECK(c.status == ContactStatus::descent_limit);
         CHECK(c.patches >= brisk.max_slide + 61);
         CHECK(c.patches <= brisk.max_slide + 61 + 4);
+        auto across = held;
+        const auto d = across.update({stylus.x - T(20), T(8), stylus.z}); // 3.75 cells north
+        CHECK(d.status == ContactStatus::descent_limit);
+        CHECK(d.patches >= brisk.max_slide + 11);
+        CHECK(d.patches <= brisk.max_slide + 11 + 4);
     }
     SECTION("that is no work without end") {
         ProxyTracker tracker{grid, {.max_patches = 32, .max_slide = brisk.max_slide}};
@@ -914,6 +937,32 @@ TEMPLATE_TEST_CASE("ProxyTracker: a sheet felt from below is pressed on the way 
         limited += a.status == ContactStatus::descent_limit;
     }
     CHECK(limited > 4);
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: a ridge holds a stylus in the open while its proxy glides along it",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    // The knife edge again, pressed through by a stylus that is above the ground behind it.
+    const auto ground = terrain<T>(25, 25, [](Index i, Index) { return i == 12 ? 10.0 : 0.0; });
+    const auto grid = ground.grid();
+    const vec3<T> stylus{T(14), T(20.3), T(3)};
+    TrackerState<T> state;
+    state.started = state.touching = true;
+    state.side = Side::above;
+    state.swept_to = glm::dvec3{stylus};
+    state.proxy = {{11, 3}, T(0.5), T(0.5)};
+    ProxyTracker tracker{grid, {.max_slide = 4}};
+    tracker.restore(state);
+    auto c = tracker.update(stylus);
+    int limited = 0;
+    for (; c.status == ContactStatus::descent_limit && limited < 100; ++limited) {
+        CHECK(c.depth > T(2.5));
+        CHECK(c.normal.x < 0);
+        c = tracker.update(stylus);
+    }
+    CHECK(limited > 2);
+    CHECK(c.status == ContactStatus::contact);
+    CHECK(c.depth > T(2.5));
 }
 
 TEMPLATE_TEST_CASE(
@@ -960,6 +1009,24 @@ TEMPLATE_TEST_CASE("ProxyTracker: behind a sweep that was cut short the proxy sl
     }
     CHECK(c.status == ContactStatus::contact);
     CHECK(std::abs(static_cast<double>(x_of(c.point)) - 275.25) < 1e-3);
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: a sweep and the slide behind it share the work allowed", "[proxy_tracker]",
+                   float, double) {
+    using T = TestType;
+    const auto ground = tilted_plane<T>(601, 9, 1, 0);
+    const auto grid = ground.grid();
+    // In through column 245, the minimum is on 275; the sweep takes most of the work, all of it, or two updates.
+    for (int limit = 200; limit < 320; limit += 10) {
+        CAPTURE(limit);
+        ProxyTracker tracker{grid, {.max_patches = limit}};
+        auto c = tracker.update({T(2.5), T(4.25), T(350)});
+        for (int n = 0; n < 10 && c.status != ContactStatus::contact; ++n) {
+            c = tracker.update({T(350.5), T(4.25), T(200)});
+            CHECK(c.patches <= limit + 4);
+        }
+        CHECK(c.status == ContactStatus::contact);
+    }
 }
 
 namespace {
