@@ -146,3 +146,21 @@ TEMPLATE_TEST_CASE(
     ground.remove(3, 4);
     CHECK(cone({true, true}).normal == patch.normal(T(0), T(0.5)));
 }
+
+TEMPLATE_TEST_CASE("friction_cone: beside a slope that has no square the patch's own normal holds",
+                   "[friction_cone][hard]", float, double) {
+    using T = TestType;
+    // The edge of a plateau; the stylus is above it, so in no cone.
+    constexpr T most = std::numeric_limits<T>::max();
+    for (const T deep : {std::sqrt(most) * 4, most}) {
+        auto ground =
+            terrain<T>(5, 5, [=](Index i, Index) { return i < 2 ? -static_cast<double>(deep) : 0.0; });
+        ground.frame.spacing = {0.5, 0.5};
+        const auto grid = ground.grid();
+        const auto patch = *grid.patch({2, 2});
+        const auto cone =
+            friction_cone(grid, patch, {T(0.25), T(0.25), T(1)}, {{2, 2}, T(0), T(0.5)}, Side::above);
+        CHECK(cone.normal == vec3<T>{T(0), T(0), T(1)});
+        CHECK(cone.outside(T(1)) > 0);
+    }
+}

@@ -58,7 +58,8 @@ struct FrictionCone {
             if (s == last) break;
         }
         const vec3<T> leaning = glm::normalize(vec3<T>{-s, T(1)});
-        if (is_finite(leaning)) normal = side == Side::below ? -leaning : leaning;
+        // Neither where a slope is no number, nor where its square is none.
+        if (glm::dot(leaning, leaning) > 0) normal = side == Side::below ? -leaning : leaning;
     }
 };
 
