@@ -145,6 +145,16 @@ TEMPLATE_TEST_CASE(
     CHECK(cone({true, true}).outside(T(0.01)) < 0);
     ground.remove(3, 4);
     CHECK(cone({true, true}).normal == patch.normal(T(0), T(0.5)));
+
+    const auto across = terrain<T>(9, 9, [](Index, Index j) { return std::abs(double(j) - 4); });
+    const auto turned = across.grid(); // by a right angle
+    const auto north = *turned.patch({4, 4});
+    const auto turned_cone = [&](const glm::bvec2& creases) {
+        return friction_cone(turned, north, {T(0.5), T(0), T(-0.5)}, {{4, 4}, T(0.5), T(0)}, Side::above,
+                             creases);
+    };
+    CHECK(turned_cone({false, true}).normal == vec3<T>{T(0), T(0), T(1)});
+    CHECK(turned_cone({true, false}).normal == north.normal(T(0.5), T(0)));
 }
 
 TEMPLATE_TEST_CASE("friction_cone: beside a slope that has no square the patch's own normal holds",
