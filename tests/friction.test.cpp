@@ -652,6 +652,27 @@ TEMPLATE_TEST_CASE("Friction: a way that leads over a hole, or too far, gives no
     CHECK(jump(T(15.5), T(10.5), 64) == 0);
 }
 
+TEMPLATE_TEST_CASE("Friction: on the other side of a sheet it takes hold anew", "[friction]", float, double) {
+    using T = TestType;
+    const auto ground = plane<T>(9, 9);
+    const auto grid = ground.grid();
+    Friction<T> friction{{T(1), T(1)}};
+    const auto feel = [&](T x, T z) {
+        Contact<T> c;
+        c.status = ContactStatus::contact;
+        c.side = z < 0 ? Side::above : Side::below;
+        c.depth = std::abs(z);
+        c.penetration.z = -z;
+        c.point = {{4, 4}, x - T(4), T(0.5)};
+        return friction.hold(grid, c, {x, T(4.5), z}).penetration.x;
+    };
+    CHECK(feel(T(4.25), T(-0.5)) == 0);
+    CHECK(feel(T(4.5), T(-0.5)) == T(-0.25));
+    CHECK(feel(T(4.5), T(0.5)) == 0);
+    CHECK(feel(T(4.75), T(0.5)) == T(-0.25));
+    CHECK(feel(T(4.75), T(-0.5)) == 0);
+}
+
 TEMPLATE_TEST_CASE("Friction: on the way up a face that holds the stylus the anchor ends at its foot",
                    "[friction]", float, double) {
     using T = TestType;
@@ -685,8 +706,12 @@ TEMPLATE_TEST_CASE("Friction: coefficients that are none mean no friction", "[fr
     const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
     const auto ground = tilted_plane<T>(9, 9, 0.5, 0.25);
     const auto grid = ground.grid();
-    for (const auto& [at_rest, sliding] :
-         {std::pair{nan, T(0.5)}, {T(0.5), nan}, {inf, T(0.5)}, {T(-1), T(0.5)}, {T(0.5), T(-1)}}) {
+    for (const auto& [at_rest, sliding] : {std::pair{nan, T(0.5)},
+                                           {T(0.5), nan},
+                                           {inf, T(0.5)},
+                                           {T(0.5), inf},
+                                           {T(-1), T(0.5)},
+                                           {T(0.5), T(-1)}}) {
         ProxyTracker tracker{grid};
         Friction<T> friction{{at_rest, sliding}};
         for (int n = 0; n < 100; ++n) {

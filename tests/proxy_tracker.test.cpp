@@ -1010,6 +1010,19 @@ TEMPLATE_TEST_CASE("ProxyTracker: behind a sweep that was cut short the proxy sl
     CHECK(std::abs(static_cast<double>(x_of(c.point)) - 275.25) < 1e-3);
 }
 
+TEMPLATE_TEST_CASE("ProxyTracker: lifted straight off it is free at once, however little work is allowed",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    const auto ground = plane<T>(9, 9);
+    const auto grid = ground.grid();
+    for (const TrackerOptions& options : {TrackerOptions{.max_patches = 1}, TrackerOptions{.max_slide = 1}}) {
+        ProxyTracker tracker{grid, options};
+        CHECK(tracker.update({T(4.5), T(4.25), T(1)}).status == ContactStatus::free);
+        CHECK(tracker.update({T(4.5), T(4.25), T(-0.5)}).status == ContactStatus::contact);
+        CHECK(tracker.update({T(4.5), T(4.25), T(0.5)}).status == ContactStatus::free);
+    }
+}
+
 TEMPLATE_TEST_CASE("ProxyTracker: a sweep and the slide behind it share the work allowed", "[proxy_tracker]",
                    float, double) {
     using T = TestType;
