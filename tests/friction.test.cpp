@@ -673,6 +673,26 @@ TEMPLATE_TEST_CASE("Friction: on the other side of a sheet it takes hold anew", 
     CHECK(feel(T(4.75), T(-0.5)) == 0);
 }
 
+TEMPLATE_TEST_CASE("Friction: a contact without depth, as of a proxy on its way, is returned as it is",
+                   "[friction]", float, double) {
+    using T = TestType;
+    const auto ground = plane<T>(9, 9);
+    const auto grid = ground.grid();
+    Friction<T> friction{{T(1), T(1)}};
+    const vec3<T> stylus{T(4.25), T(4.5), T(-0.5)};
+    Contact<T> contact;
+    contact.status = ContactStatus::contact;
+    contact.side = Side::above;
+    contact.depth = contact.penetration.z = T(0.5);
+    contact.point = {{4, 4}, T(0.25), T(0.5)};
+    static_cast<void>(friction.hold(grid, contact, stylus));
+    contact.status = ContactStatus::descent_limit;
+    contact.depth = contact.penetration.z = 0;
+    contact.point.u = T(0.75);
+    CHECK(friction.hold(grid, contact, stylus).penetration == vec3<T>{T(0)});
+    CHECK(same(friction.state().anchor, contact.point));
+}
+
 TEMPLATE_TEST_CASE("Friction: on the way up a face that holds the stylus the anchor ends at its foot",
                    "[friction]", float, double) {
     using T = TestType;
