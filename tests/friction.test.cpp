@@ -673,6 +673,48 @@ TEMPLATE_TEST_CASE("Friction: on the other side of a sheet it takes hold anew", 
     CHECK(feel(T(4.75), T(-0.5)) == 0);
 }
 
+TEMPLATE_TEST_CASE(
+    "Friction: to a proxy on an edge it slips straight unless it is drawn there, to one on a vertex by "
+    "the nearer edge",
+    "[friction]", float, double) {
+    using T = TestType;
+    auto ground = plane<T>(9, 9);
+    const auto grid = ground.grid();
+    // The anchor, from the middle of cell (4, 4), when the stylus is `deep` below level ground, and the proxy elsewhere.
+    const auto slipped = [&](const SurfacePoint<T>& proxy, const vec2<T>& stylus, T deep) {
+        Friction<T> friction{{T(1), T(1)}};
+        Contact<T> contact;
+        contact.status = ContactStatus::contact;
+        contact.side = Side::above;
+        contact.depth = contact.penetration.z = deep;
+        contact.point = {{4, 4}, T(0.5), T(0.5)};
+        static_cast<void>(friction.hold(grid, contact, {T(4.5), T(4.5), -deep}));
+        contact.point = proxy;
+        return friction.hold(grid, contact, {stylus, -deep}).proxy;
+    };
+    // Away from the edge and along it: the straight way comes as near as 0.38, the edge itself does not.
+    const vec3<T> east = slipped({{5, 4}, T(0), T(0.75)}, {T(4.45), T(4.9)}, T(0.39));
+    CHECK(east.x > T(4.5));
+    CHECK(east.x - T(4.5) == Approx(2 * double(east.y - T(4.5))).epsilon(1e-3));
+    CHECK(std::hypot(east.x - T(4.45), east.y - T(4.9)) == Approx(0.39).epsilon(1e-5));
+    const vec3<T> north = slipped({{4, 5}, T(0.75), T(0)}, {T(4.9), T(4.45)}, T(0.39));
+    CHECK(std::abs(north.x - east.y) <= 64 * epsilon<T>);
+    CHECK(std::abs(north.y - east.x) <= 64 * epsilon<T>);
+    // Drawn by (0.6, 1.2), so first over the northern edge.
+    const vec3<T> first = slipped({{5, 5}, T(0), T(0)}, {T(5.1), T(5.7)}, T(1));
+    CHECK(first.y - T(4.5) == Approx(2 * double(first.x - T(4.5))).epsilon(1e-3));
+    CHECK(std::hypot(first.x - T(5.1), first.y - T(5.7)) == Approx(1).epsilon(1e-5));
+    const vec3<T> second = slipped({{5, 5}, T(0), T(0)}, {T(5.7), T(5.1)}, T(1));
+    CHECK(std::abs(second.x - first.y) <= 64 * epsilon<T>);
+    CHECK(std::abs(second.y - first.x) <= 64 * epsilon<T>);
+    // Drawn to the eastern edge at y = 4.8, where the cell beyond is missing; the straight way goes round it.
+    const auto round = [&] { return slipped({{5, 5}, T(0), T(0.5)}, {T(5.1), T(4.86)}, T(0.5)); };
+    CHECK(round().y < T(4.8));
+    ground.remove(6, 4);
+    CHECK(round().y - T(4.5) == Approx(2 * double(round().x - T(4.5))).epsilon(1e-3));
+    CHECK(std::hypot(round().x - T(5.1), round().y - T(4.86)) == Approx(0.5).epsilon(1e-5));
+}
+
 TEMPLATE_TEST_CASE("Friction: a contact without depth, as of a proxy on its way, is returned as it is",
                    "[friction]", float, double) {
     using T = TestType;

@@ -1008,6 +1008,11 @@ TEMPLATE_TEST_CASE("ProxyTracker: behind a sweep that was cut short the proxy sl
     }
     CHECK(c.status == ContactStatus::contact);
     CHECK(std::abs(static_cast<double>(x_of(c.point)) - 275.25) < 1e-3);
+
+    // Swept in one update the whole way counts.
+    ProxyTracker whole{grid, brisk};
+    REQUIRE(whole.update({T(2.5), T(4.25), T(350)}).status == ContactStatus::free);
+    CHECK(whole.update(inside).status == ContactStatus::contact);
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: lifted straight off it is free at once, however little work is allowed",
