@@ -690,6 +690,8 @@ TEMPLATE_TEST_CASE(
         contact.point = {{4, 4}, T(0.5), T(0.5)};
         static_cast<void>(friction.hold(grid, contact, {T(4.5), T(4.5), -deep}));
         contact.point = proxy;
+        contact.proxy = {static_cast<T>(proxy.cell.i) + proxy.u, static_cast<T>(proxy.cell.j) + proxy.v,
+                         T(0)};
         return friction.hold(grid, contact, {stylus, -deep}).proxy;
     };
     // Away from the edge and along it: the straight way comes as near as 0.38, the edge itself does not.
@@ -713,6 +715,8 @@ TEMPLATE_TEST_CASE(
     ground.remove(6, 4);
     CHECK(round().y - T(4.5) == Approx(2 * double(round().x - T(4.5))).epsilon(1e-3));
     CHECK(std::hypot(round().x - T(5.1), round().y - T(4.86)) == Approx(0.5).epsilon(1e-5));
+    // A bend behind a hole holds nothing, though the stylus is right under it.
+    CHECK(slipped({{7, 5}, T(0), T(0.5)}, {T(7.1), T(4.9)}, T(0.5)) == vec3<T>{T(7), T(5.5), T(0)});
 }
 
 TEMPLATE_TEST_CASE("Friction: a contact without depth, as of a proxy on its way, is returned as it is",
@@ -761,6 +765,32 @@ TEMPLATE_TEST_CASE("Friction: on the way up a face that holds the stylus the anc
     CHECK(held.proxy.x == Approx(4).margin(16 * double(epsilon<T>)));
     CHECK(same(held.point, SurfacePoint<T>{{4, 4}, T(0), T(0.5)}));
     CHECK(glm::length(held.penetration - (foot - stylus)) <= 16 * epsilon<T>);
+}
+
+TEMPLATE_TEST_CASE(
+    "Friction: on the way over a ridge the anchor stays on it while a normal between its faces holds",
+    "[friction]", float, double) {
+    using T = TestType;
+    // A ridge along x = 4 with faces of 45 degrees. The stylus is under the far face, a quarter of a metre from the ridge
+    // and half a metre deep: a normal of the ridge points straight from it.
+    const auto ground = terrain<T>(9, 9, [](Index i, Index) { return -std::abs(double(i) - 4); });
+    const auto grid = ground.grid();
+    const T half = std::sqrt(T(0.5));
+    const vec3<T> near{-half, T(0), half}, far{half, T(0), half};
+    Contact<T> contact;
+    contact.status = ContactStatus::contact;
+    contact.side = Side::above;
+    contact.depth = T(0.5);
+    contact.penetration = T(0.5) * near;
+    contact.point = {{3, 4}, T(0.75), T(0.5)};
+    Friction<T> friction{{T(0.25), T(0.25)}};
+    static_cast<void>(friction.hold(grid, contact, vec3<T>{T(3.75), T(4.5), T(-0.25)} - T(0.5) * near));
+    contact.penetration = T(0.5) * far;
+    contact.point = {{4, 4}, T(0.25) * half, T(0.5)};
+    contact.proxy = {T(4) + T(0.25) * half, T(4.5), T(-0.25) * half};
+    const auto held = friction.hold(grid, contact, contact.proxy - T(0.5) * far);
+    CHECK(held.proxy.x == Approx(4).margin(16 * double(epsilon<T>)));
+    CHECK(same(held.point, SurfacePoint<T>{{4, 4}, T(0), T(0.5)}));
 }
 
 TEMPLATE_TEST_CASE("Friction: coefficients that are none mean no friction", "[friction]", float, double) {

@@ -364,7 +364,9 @@ TEMPLATE_TEST_CASE("ProxyTracker: across a hole in one update it lets go, and is
     CHECK(tracker.update({T(4), T(6), T(1)}).status == ContactStatus::free);
     CHECK(tracker.update({T(4), T(6), T(-1)}).status == ContactStatus::contact);
     const vec3<T> beyond{T(8.5), T(6), T(-1)};
-    CHECK(tracker.update(beyond).status == ContactStatus::left_at_hole);
+    const auto left = tracker.update(beyond);
+    CHECK(left.status == ContactStatus::left_at_hole);
+    CHECK(left.side == Side::below);
     CHECK_FALSE(tracker.state().touching);
     CHECK(tracker.update(beyond).status == ContactStatus::buried);
 }
