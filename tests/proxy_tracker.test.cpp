@@ -366,7 +366,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: across a hole in one update it lets go, and is
     const vec3<T> beyond{T(8.5), T(6), T(-1)};
     const auto left = tracker.update(beyond);
     CHECK(left.status == ContactStatus::left_at_hole);
-    CHECK(left.side == Side::below);
+    CHECK((left.side == Side::below));
     CHECK_FALSE(tracker.state().touching);
     CHECK(tracker.update(beyond).status == ContactStatus::buried);
 }
@@ -536,6 +536,21 @@ TEMPLATE_TEST_CASE("ProxyTracker: ground raised over a free stylus is felt at on
         CHECK(c.normal == vec3<T>{0, 0, 1});
     }
     CHECK(witness.first_fault == "");
+}
+
+TEMPLATE_TEST_CASE("ProxyTracker: a sheet that sinks past a stylus below it takes it along",
+                   "[proxy_tracker]", float, double) {
+    using T = TestType;
+    auto ground = plane<T>(9, 9);
+    const auto grid = ground.grid();
+    ProxyTracker tracker{grid, {.surface = SurfaceKind::sheet}};
+    const vec3<T> stylus{T(4.5), T(4.25), T(-1)};
+    CHECK((tracker.update(stylus).side == Side::below));
+    for (T& height : ground.heights) height = -5;
+    const auto c = tracker.update(stylus);
+    CHECK(c.status == ContactStatus::contact);
+    CHECK((c.side == Side::below));
+    CHECK(c.penetration == vec3<T>{T(0), T(0), T(-4)});
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: ground edited under the proxy lifts it, lowers it, lets it go",
