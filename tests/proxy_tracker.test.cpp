@@ -170,6 +170,19 @@ TEMPLATE_TEST_CASE("ProxyTracker: first contact is at the first crossing, wherev
     }
 }
 
+TEMPLATE_TEST_CASE("ProxyTracker: over a ridge and down behind it, it meets the far face", "[proxy_tracker]",
+                   float, double) {
+    using T = TestType;
+    const auto ground = terrain<T>(25, 13, [](Index i, Index) { return i == 12 ? 10.0 : 0.0; });
+    const auto grid = ground.grid();
+    ProxyTracker tracker{grid};
+    for (const T x : {T(11.7), T(12.2), T(12.7)})
+        CHECK(tracker.update({x, T(6.3), T(11)}).status == ContactStatus::free);
+    const auto c = tracker.update({T(12.7), T(6.3), T(2.5)});
+    CHECK(c.status == ContactStatus::contact);
+    CHECK(c.normal.x > 0); // on the far face
+}
+
 TEMPLATE_TEST_CASE("ProxyTracker: of Figure 8's two peaks the proxy stays on the near side of the first",
                    "[proxy_tracker][hard]", float, double) {
     using T = TestType;
@@ -477,7 +490,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: refuses positions that are no positions, its s
                 CHECK((bits(tracker) == before));
             }
         }
-        for (const T bad : {nan, inf, -inf}) {
+        for (const T bad : {nan, inf, -inf, huge, -huge}) {
             const auto before = bits(tracker);
             CHECK(tracker.update({T(8), T(8), bad}).status == ContactStatus::bad_input);
             CHECK((bits(tracker) == before));
@@ -789,6 +802,11 @@ TEMPLATE_TEST_CASE(
     CHECK(tracker.update({T(2.5), T(3.25), T(2)}).status == ContactStatus::free);
     CHECK(tracker.update({T(120.5), T(5.5), T(1)}).status == ContactStatus::sweep_limit);
     CHECK(tracker.update({T(121.5), T(5.5), T(12)}).status == ContactStatus::sweep_limit);
+    // Or back to where the search has come.
+    CHECK(tracker.state().cut_short);
+    const vec3<T> come{tracker.state().swept_to};
+    CHECK(tracker.update(come + vec3<T>{T(0), T(0), T(1)}).status == ContactStatus::free);
+    CHECK_FALSE(tracker.state().cut_short);
 }
 
 TEMPLATE_TEST_CASE(
