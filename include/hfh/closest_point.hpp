@@ -235,7 +235,7 @@ struct Freedom {
 /// alone, whichever is worth more. Far from the query both lie on borders of the patch, and the corner where these meet
 /// is lower than either: there is no floor to look for then, which would take half of the time of a long slide.
 template <Real T>
-[[nodiscard, gnu::noinline]] vec2<T> cautious_step(DistanceFunction<T> distance, vec2<T> at) noexcept {
+[[nodiscard, gnu::noinline]] vec2<T> cautious_step(const DistanceFunction<T>& distance, vec2<T> at) noexcept {
     const auto f = distance(at.x, at.y);
     const Freedom may{distance, f, at};
     const bool free_u = may.pulls_u && !may.held_u, free_v = may.pulls_v && !may.held_v;

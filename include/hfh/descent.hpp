@@ -65,16 +65,13 @@ template <Real T>
             n.dj == 0 ? point.v : T(n.dj > 0 ? 0 : 1)};
 }
 
-/// How steeply F falls from (u, v) into its patch: the sum of F_u²/F_uu and F_v²/F_vv over the components that fall
-/// and may move. 0 if F does not fall across the border by which `entry` comes in (no border, if it stays).
+/// How steeply F falls from (u, v) along u and along v: F_u²/F_uu and F_v²/F_vv, 0 where it does not fall into the patch.
 template <Real T>
-[[nodiscard]] T fall_into(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
-                          T u, T v, Neighbour entry) noexcept {
+[[nodiscard]] vec2<T> falls(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
+                            T u, T v) noexcept {
     const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
     const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
-    const bool stays = entry.di == 0 && entry.dj == 0;
-    if (!stays && !(entry.di != 0 && falls_u) && !(entry.dj != 0 && falls_v)) return 0;
-    return (falls_u ? f.fu * f.fu / f.fuu : T(0)) + (falls_v ? f.fv * f.fv / f.fvv : T(0));
+    return {falls_u ? f.fu * f.fu / f.fuu : T(0), falls_v ? f.fv * f.fv / f.fvv : T(0)};
 }
 
 /// What is around a point on the border of its patch.
@@ -82,50 +79,58 @@ template <Real T>
 struct Surroundings {
     SurfacePoint<T>
         steepest; ///< the same point in the patch into which F falls most steeply, its own included
+    DistanceFunction<T> distance;               ///< of that patch
     bool leads_down = false;                    ///< F falls into that patch
     DescentStatus rim = DescentStatus::minimum; ///< off_…: a patch is missing on the side where the query is
     int patches = 0;                            ///< neighbours looked at
 };
 
-/// Compares all patches that meet at a point on the border of its patch, into which F falls by `fall`.
+/// Compares the patches that meet at a point on the border of its patch, into which F falls by `own`.
 template <HeightField Field, Real T>
-[[nodiscard, gnu::noinline]] Surroundings<T> look_around(const Field& field, const vec3<T>& query,
-                                                         const SurfacePoint<T>& at, T fall) noexcept {
-    Surroundings<T> around{.steepest = at, .leads_down = fall > 0};
-    const auto seen = field.lattice().locate(query, at.cell);
-    const auto look_into = [&](const SurfacePoint<T>& there, Neighbour n) {
+[[nodiscard, gnu::noinline]] Surroundings<T>
+look_around(const Field& field, const vec3<T>& query, const SurfacePoint<T>& at,
+            const DistanceFunction<T>& distance, vec2<T> own) noexcept {
+    T steepest = own.x + own.y;
+    Surroundings<T> around{.steepest = at, .distance = distance, .leads_down = steepest > 0};
+    // Of a patch that F falls into, along u and v; < 0: there is none.
+    const auto look_into = [&](Neighbour n) {
+        ++around.patches;
+        const auto there = seen_from(n, at);
         const auto patch = field.patch(there.cell);
-        if (!patch) return false;
-        const DistanceFunction<T> distance{*patch, field.lattice().locate(query, there.cell)};
-        if (const T fall_there = fall_into(distance, distance(there.u, there.v), there.u, there.v, n);
-            fall_there > fall) {
-            fall = fall_there;
+        if (!patch) return vec2<T>{-1};
+        const DistanceFunction<T> beyond{*patch, field.lattice().locate(query, there.cell)};
+        const vec2<T> fall = falls(beyond, beyond(there.u, there.v), there.u, there.v);
+        const bool enters = (n.di != 0 && fall.x > 0) || (n.dj != 0 && fall.y > 0);
+        if (enters && fall.x + fall.y > steepest) {
+            steepest = fall.x + fall.y;
             around.steepest = there;
+            around.distance = beyond;
             around.leads_down = true;
         }
-        return true;
+        return fall;
     };
-    for (const Neighbour n : Neighbours{at.u, at.v}) {
-        const auto there = seen_from(n, at);
-        ++around.patches;
-        if (look_into(there, n)) continue;
+    const Neighbours neighbours{at.u, at.v};
+    if (neighbours.count == 3) {
+        // Two patches that share an edge have the same slope along it. So the point's own patch and the one opposite tell
+        // for all four on which side F is steeper, along u and along v.
+        const Neighbour opposite = neighbours.items[2];
+        if (const vec2<T> fall = look_into(opposite); fall.x >= 0) {
+            const Neighbour steeper{fall.x < own.x ? 0 : opposite.di, fall.y < own.y ? 0 : opposite.dj};
+            if ((steeper.di == 0) != (steeper.dj == 0)) (void)look_into(steeper);
+            if (around.leads_down) return around;
+        }
+    }
+    const auto seen = field.lattice().locate(query, at.cell);
+    for (const Neighbour n : neighbours) {
+        if (look_into(n).x >= 0) continue;
         const bool beyond_u = n.di == 0 || (n.di > 0 ? seen.u > 1 : seen.u < 0);
         const bool beyond_v = n.dj == 0 || (n.dj > 0 ? seen.v > 1 : seen.v < 0);
         if (beyond_u && beyond_v) {
-            around.rim =
-                field.cells().contains(there.cell) ? DescentStatus::off_hole : DescentStatus::off_border;
+            around.rim = field.cells().contains(seen_from(n, at).cell) ? DescentStatus::off_hole
+                                                                       : DescentStatus::off_border;
         }
     }
     return around;
-}
-
-/// `cautious_step` in the patch of a point.
-template <HeightField Field, Real T>
-[[nodiscard, gnu::noinline]] vec2<T> cautious_step(const Field& field, const vec3<T>& query,
-                                                   SurfacePoint<T> at) noexcept {
-    const auto patch = field.patch(at.cell);
-    if (!patch) return {at.u, at.v};
-    return cautious_step(DistanceFunction<T>{*patch, field.lattice().locate(query, at.cell)}, {at.u, at.v});
 }
 
 /// `DescentResult::normal` and `outward`.
@@ -190,15 +195,13 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             stalls = squared < nearest ? 0 : stalls + 1;
             nearest = glm::min(nearest, squared);
             if (stalls == 8) break;
-            const auto around = look_around(field, query, at, fall_into(distance, f, at.u, at.v, {0, 0}));
+            const auto around = look_around(field, query, at, distance, falls(distance, f, at.u, at.v));
             patches += around.patches;
             status = around.rim;
             if (!around.leads_down) break;
             if (around.steepest.cell != at.cell) {
-                const auto patch = field.patch(around.steepest.cell);
-                if (!patch) break; // it was there a moment ago
                 at = around.steepest;
-                distance = {*patch, field.lattice().locate(query, at.cell)};
+                distance = around.distance;
                 f = distance(at.u, at.v);
                 may = {distance, f, vec2<T>{at.u, at.v}};
                 steps = 0;
@@ -215,7 +218,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
         vec2<T> to{at.u, at.v};
         const auto step = may.inside() ? newton_step(distance, f, to) : refused;
         if (step == refused) {
-            to = cautious_step(field, query, at);
+            to = cautious_step(distance, {at.u, at.v});
             ++patches;
         }
         if (steps > 3) [[unlikely]]
