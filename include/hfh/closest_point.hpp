@@ -200,13 +200,17 @@ template <Real T>
     const T slope = along_v ? f.fuu * f.fv - f.fuv * f.fu : f.fvv * f.fu - f.fuv * f.fv;
     const T curvature = glm::max(std::abs(f.determinant), epsilon<T> * stiff * stiff);
     T step = glm::clamp(from - slope / curvature, T(0), T(1)) - from;
+    T last = std::numeric_limits<T>::max();
     for (int halving = 0; halving < 16; ++halving, step /= 2) {
         const T to = glm::clamp(from + step, T(0), T(1));
         const vec2<T> floor = along_v ? vec2<T>{distance.best_u(to), to} : vec2<T>{to, distance.best_v(to)};
-        if (distance.change(f, floor.x - at.x, floor.y - at.y) < gain) {
+        const T change = distance.change(f, floor.x - at.x, floor.y - at.y);
+        if (change < gain) {
             at = floor;
             return true;
         }
+        if (!(change < last)) return false; // the best step of all was longer
+        last = change;
     }
     return false;
 }
@@ -219,8 +223,8 @@ struct Freedom {
     // Asks first where the point is and then for the sign of a slope: the sign is anyone's guess, and a branch on it
     // would be mispredicted half of the time.
     template <Real T>
-    Freedom(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
-            const vec2<T>& at) noexcept
+    [[gnu::always_inline]] Freedom(const DistanceFunction<T>& distance,
+                                   const typename DistanceFunction<T>::Value& f, const vec2<T>& at) noexcept
         : pulls_u{std::abs(f.fu) > distance.noise_u}, pulls_v{std::abs(f.fv) > distance.noise_v},
           held_u{at.x <= 0 ? f.fu > 0 : at.x >= 1 && f.fu <= 0}, held_v{at.y <= 0 ? f.fv > 0
                                                                                   : at.y >= 1 && f.fv <= 0} {}
