@@ -19,12 +19,12 @@ struct TrackerOptions {
     /// Work allowed in one update, in patches (about 10-60 ns each). A sweep or a descent that needs more goes on
     /// in the next update, from where it came to towards wherever the stylus is then, and the status says so.
     int max_patches = 8192;
-    /// Of these, the work of a proxy that slides: so many, and three more for each cell that the stylus moved. A ridge
+    /// Of these, the work of an update in contact: so many, and two more for each cell that the stylus moved. A ridge
     /// or a hollow can hold a proxy hundreds of cells away from a stylus that goes on below it; let go, it slides all of
-    /// that way in one update, which takes up to 0.1 ms and ends in a jump of the force. With 20 here it glides there in
-    /// some updates, and the force with it, and no update up to 5 cells on takes longer than 5 µs: 5 cells below
-    /// Sugarhouse one update in 800 ends on the way, below ground as steep as ten times Moab one in 20; half a cell below
-    /// them none and one in 800.
+    /// that way in one update, which takes up to 0.1 ms and ends in a jump of the force. With 16 here it glides there in
+    /// some updates, and the force with it, and an update up to 5 cells on takes about 3 µs at the most. Of updates 5
+    /// cells on and 5 cells below Sugarhouse one in 4400 ends on the way, below ground as steep as ten times Moab one in
+    /// 24; half a cell on and half a cell below them none and one in 1700.
     int max_slide = 8192;
 };
 
@@ -143,7 +143,7 @@ private:
     [[nodiscard, gnu::noinline]] Contact<Scalar> slide(const glm::dvec3& before, const vec3<Scalar>& stylus,
                                                        int patches) noexcept {
         const glm::dvec3 to{stylus};
-        const int enough = patches + allowed_to_slide(to - before, patches);
+        const int enough = allowed_to_slide(to - before);
         state_.swept_to = to;
         Scalar nearest = std::numeric_limits<Scalar>::max();
         for (;;) {
@@ -174,14 +174,13 @@ private:
         }
     }
 
-    /// How many patches the proxy may slide over, after so many have been looked at, for a stylus that moved by `way`.
-    [[nodiscard]] int allowed_to_slide(const glm::dvec3& way, int patches) const noexcept {
-        const int left = options_.max_patches - patches;
-        if (options_.max_slide >= left) return left;
+    /// How many patches an update in contact may look at, for a stylus that moved by `way`.
+    [[nodiscard]] int allowed_to_slide(const glm::dvec3& way) const noexcept {
+        if (options_.max_slide >= options_.max_patches) return options_.max_patches;
         const glm::dvec2 per_metre = field_->lattice().cells_per_metre();
         const double cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
-        return static_cast<int>(
-            glm::min(static_cast<double>(options_.max_slide) + 3 * cells, static_cast<double>(left)));
+        return static_cast<int>(glm::min(static_cast<double>(options_.max_slide) + 2 * cells,
+                                         static_cast<double>(options_.max_patches)));
     }
 
     /// Whether the stylus has the surface right above it (felt from below: right below it). While the proxy is on its

@@ -52,6 +52,7 @@ public:
         }
         last_ = stylus;
         was_touching_ = contact.touching();
+        was_searching_ = contact.status == ContactStatus::sweep_limit;
         return contact;
     }
 
@@ -95,7 +96,7 @@ private:
         if (was_touching_) {
             const Wide moved = std::max(std::abs(q.x - static_cast<Wide>(last_.x)) / surface.dx(),
                                         std::abs(q.y - static_cast<Wide>(last_.y)) / surface.dy());
-            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 3 * moved,
+            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 2 * moved,
                                                 static_cast<Wide>(options_.max_patches));
             if (static_cast<Wide>(c.patches) > allowed + 16) return "more work than was allowed";
         }
@@ -186,10 +187,10 @@ private:
 
     /// Whether the promise holds that a stylus outside does not get below unfelt: between the last position and this one
     /// there was surface all the way. Among holes that holds while the stylus is free only, for the proxy goes its own
-    /// way.
+    /// way, and so does a search that has not got to the stylus.
     [[nodiscard]] bool all_over_surface(const Point& to) const {
         if (!holes_) return true;
-        if (was_touching_) return false;
+        if (was_touching_ || was_searching_) return false;
         const Point from = wide(last_);
         for (int k = 0; k <= 1000; ++k) {
             const Wide t = Wide(k) / 1000;
@@ -201,7 +202,7 @@ private:
 
     TrackerOptions options_;
     bool holes_ = false;
-    bool was_touching_ = false;
+    bool was_touching_ = false, was_searching_ = false;
     vec3<T> last_{T(0)};
     bool outside_ = false;   // has been above the surface, and over it ever since
     Side side_ = Side::none; // sheet: the side it was on, over the surface
