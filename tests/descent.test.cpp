@@ -326,6 +326,21 @@ TEMPLATE_TEST_CASE("descend: at the rim of a hole says off_hole only if the quer
           DescentStatus::off_hole);
 }
 
+TEMPLATE_TEST_CASE("descend: at a vertex it sees a hole beside the patch opposite", "[descent]", float,
+                   double) {
+    using T = TestType;
+    // A step at (7, 6) holds the point at (6, 6); south of it and east of the point's patch the ground is missing.
+    auto ground = terrain<T>(13, 13, [](Index i, Index j) { return i == 7 && j == 6 ? 4.0 : 0.0; });
+    const SurfacePoint<T> start{{5, 5}, T(1), T(1)};
+    const vec3<T> query{T(6.25), T(6), T(-1)};
+    CHECK(descend(ground.grid(), query, start, plenty).status == DescentStatus::minimum);
+    ground.remove(7, 5); // no patch over 6..8 × 4..6
+    const auto end = descend(ground.grid(), query, start, plenty);
+    CHECK(end.status == DescentStatus::off_hole);
+    CHECK(end.point.u == 1);
+    CHECK(end.point.v == 1);
+}
+
 TEMPLATE_TEST_CASE("descend: slides along a rim that the query is not beyond, and on", "[descent]", float,
                    double) {
     using T = TestType;
