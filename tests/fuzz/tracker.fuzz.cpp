@@ -55,7 +55,7 @@ public:
         options_.surface = bytes.byte() % 4 == 0 ? SurfaceKind::sheet : SurfaceKind::solid;
         constexpr std::array<int, 8> limits{1, 2, 4, 7, 20, 100, 8192, 8192};
         options_.max_patches = limits[bytes.byte() % limits.size()];
-        constexpr std::array<int, 4> slides{1, 6, 20, 8192};
+        constexpr std::array<int, 4> slides{1, 6, 16, 8192};
         options_.max_slide = slides[bytes.byte() % slides.size()];
         constexpr std::array<T, 4> stiffnesses{T(500), T(0), T(1e30), std::numeric_limits<T>::max()};
         force_.stiffness = stiffnesses[bytes.byte() % stiffnesses.size()];
