@@ -442,24 +442,27 @@ TEMPLATE_PRODUCT_TEST_CASE(
 
 namespace {
 /// A source that leaves it to the grid to find out what is no number.
+template <hfh::Sample S>
 struct Trusting {
-    using SampleType = double;
-    const double* samples;
+    using SampleType = S;
+    const S* samples;
     [[nodiscard]] Index columns() const noexcept { return 2; }
     [[nodiscard]] Index rows() const noexcept { return 2; }
-    [[nodiscard]] double operator()(Index i, Index j) const noexcept { return samples[i + 2 * j]; }
-    [[nodiscard]] bool missing(double) const noexcept { return false; }
+    [[nodiscard]] S operator()(Index i, Index j) const noexcept { return samples[i + 2 * j]; }
+    [[nodiscard]] bool missing(S) const noexcept { return false; }
 };
 } // namespace
 
-TEST_CASE("bilinear_grid: no number is below anything, whichever corner it is at", "[grid][law]") {
+TEMPLATE_TEST_CASE("bilinear_grid: no number is below anything, whichever corner it is at", "[grid][law]",
+                   float, double, long double) {
+    using S = TestType;
     for (const double bad : {not_a_number, inf, -inf}) {
         for (int at = 0; at < 4; ++at) {
-            double samples[]{1, 2, 3, 4};
-            const BilinearGrid<double, Trusting> grid{Trusting{samples}, {}};
+            S samples[]{1, 2, 3, 4};
+            const BilinearGrid<double, Trusting<S>> grid{Trusting<S>{samples}, {}};
             const Cell six[]{{0, 0}, {1, 0}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
             CHECK(grid.corners_below(six, 5));
-            samples[at] = bad;
+            samples[at] = static_cast<S>(bad);
             CHECK_FALSE(grid.patch({0, 0}));
             CHECK_FALSE(grid.corners_below(six, 5));
         }

@@ -89,7 +89,7 @@ public:
         for (const Cell c : corners) {
             const SampleType sample = heights_(c.i, c.j);
             holes |= heights_.missing(sample);
-            if constexpr (std::is_floating_point_v<SampleType>) holes |= !is_finite(sample);
+            if constexpr (std::is_floating_point_v<SampleType>) holes |= !is_finite(static_cast<T>(sample));
             low = sample < low ? sample : low;
             high = high < sample ? sample : high;
         }
