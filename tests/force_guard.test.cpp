@@ -128,7 +128,7 @@ TEST_CASE("ForceGuard: a force that is no number is zero at once, though the sle
     }
 }
 
-TEST_CASE("ForceGuard: a force below 2^64 N is a number, and shortened; one of 2^64 N is none",
+TEST_CASE("ForceGuard: a force below 2^64 N is a number, and shortened, one of 2^64 N is none",
           "[force_guard]") {
     auto bench = warm();
     bench.asked.z = std::nextafter(0x1p64, 0.0);
