@@ -71,7 +71,7 @@ WideSurfacePoint closest_patch_search(const Surface<T>& surface, Index i, Index 
 }
 
 /// No more than a few microseconds an update.
-constexpr TrackerOptions brisk{.max_slide = 16};
+constexpr TrackerOptions brisk{.max_slide = 8};
 
 /// Runs a hand over a terrain under a witness.
 template <Real T>

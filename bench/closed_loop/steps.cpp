@@ -89,7 +89,7 @@ void steps(const Effort& effort, Findings& findings) {
     for (const Kind kind :
          {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
           Kind{"in the hand on the Touch", 0.2e-3, 15, true},
-          Kind{"in the hand on the Touch, `max_slide` = 16", 0.2e-3, 15, true, {.max_slide = 16}}}) {
+          Kind{"in the hand on the Touch, `max_slide` = 8", 0.2e-3, 15, true, {.max_slide = 8}}}) {
         const auto all = grounds<T>(kind.cell);
         for (const double cells : {0.5, 2.0, 5.0}) {
             double mean = 0, most_99 = 0, largest = 0;

@@ -31,7 +31,7 @@ public:
     /// `stiffness`: N/m at the hand.
     Scene(const Field& field, const hfh::WorkspaceFrame& frame, double stiffness,
           const hfh::GuardLimits& limits)
-        : workspace_{frame}, tracker_{field, {.max_slide = 16}}, guard_{limits},
+        : workspace_{frame}, tracker_{field, {.max_slide = 8}}, guard_{limits},
           force_{.stiffness = workspace_.terrain_stiffness(stiffness)} {}
 
     hfh::DeviceCommand operator()(const hfh::DeviceSample& sample) noexcept {
