@@ -46,8 +46,12 @@ void look_for_worst(const G& ground, const Stroke* strokes, std::size_t kinds, s
         const auto trace = stroke_trace<double>(ground, strokes[s], updates, 500, options);
         const std::string what = std::string{strokes[s].name} + " on " + ground.kind.name;
         worst.endings.add(check_trace(ground, trace, what));
-        const auto times = time_by_replay(ground.template grid<double>(), trace, replays);
-        const double ns = times.worst - clock_cost();
+        const auto time = [&] {
+            return time_by_replay(ground.template grid<double>(), trace, replays).worst - clock_cost();
+        };
+        double ns = time();
+        // A machine can be slow for longer than the replays take: what would be the slowest is timed again.
+        for (int again = 0; again < 4 && ns > worst.ns; ++again) ns = std::min(ns, time());
         found.note_update(ns, what);
         here = std::max(here, ns);
         if (ns > worst.ns) worst.ns = ns, worst.where = what;
