@@ -22,9 +22,9 @@ struct TrackerOptions {
     /// Of these, the work of an update in contact: so many, and two more for each cell that the stylus moved. A ridge
     /// or a hollow can hold a proxy hundreds of cells away from a stylus that goes on below it; let go, it slides all of
     /// that way in one update, which takes up to 0.05 ms and ends in a jump of the force. With 8 here it glides there in
-    /// some updates, and the force with it, and no update up to 5 cells on takes longer than 3 µs. Of updates 5 cells on
-    /// and 5 cells below Sugarhouse one in 44 ends on the way, below ground as steep as ten times Moab one in 12; half a
-    /// cell on and half a cell below them none and one in 900.
+    /// some updates, and the force with it, and an update up to 5 cells on takes some 3 µs at the most. Of updates 5
+    /// cells on and 5 cells below Sugarhouse one in 44 ends on the way, below ground as steep as ten times Moab one in
+    /// 12; half a cell on and half a cell below them none and one in 900.
     int max_slide = 8192;
 };
 
