@@ -109,7 +109,7 @@ look_around(const Field& field, const vec3<T>& query, const SurfacePoint<T>& at,
         }
         return fall;
     };
-    const Neighbours neighbours{at.u, at.v};
+    Neighbours neighbours{at.u, at.v};
     if (neighbours.count == 3) {
         // Two patches that share an edge have the same slope along it. So the point's own patch and the one opposite tell
         // for all four on which side F is steeper, along u and along v.
@@ -118,6 +118,7 @@ look_around(const Field& field, const vec3<T>& query, const SurfacePoint<T>& at,
             const Neighbour steeper{fall.x < own.x ? 0 : opposite.di, fall.y < own.y ? 0 : opposite.dj};
             if ((steeper.di == 0) != (steeper.dj == 0)) (void)look_into(steeper);
             if (around.leads_down) return around;
+            neighbours.count = 2; // it is no hole
         }
     }
     const auto seen = field.lattice().locate(query, at.cell);

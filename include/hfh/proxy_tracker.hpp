@@ -16,7 +16,7 @@ namespace hfh {
 
 struct TrackerOptions {
     SurfaceKind surface = SurfaceKind::solid;
-    /// Work allowed in one update, in patches (about 10-60 ns each). A sweep or a descent that needs more goes on
+    /// Work allowed in one update, in patches (about 10-100 ns each). A sweep or a descent that needs more goes on
     /// in the next update, from where it came to towards wherever the stylus is then, and the status says so.
     int max_patches = 8192;
     /// Of these, the work of an update in contact: so many, and two more for each cell that the stylus moved. A ridge
