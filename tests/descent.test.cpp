@@ -341,6 +341,19 @@ TEMPLATE_TEST_CASE("descend: at a vertex it sees a hole beside the patch opposit
     CHECK(end.point.v == 1);
 }
 
+TEMPLATE_TEST_CASE("descend: at a vertex it sees that the patch opposite is missing", "[descent]", float,
+                   double) {
+    using T = TestType;
+    // Steps at (7, 6) and (6, 7) hold the point at (6, 6); the query is beyond it.
+    auto ground = terrain<T>(
+        13, 13, [](Index i, Index j) { return (i == 7 && j == 6) || (i == 6 && j == 7) ? 4.0 : 0.0; });
+    const SurfacePoint<T> start{{5, 5}, T(1), T(1)};
+    const vec3<T> query{T(6.25), T(6.25), T(-1)};
+    CHECK(descend(ground.grid(), query, start, plenty).status == DescentStatus::minimum);
+    ground.remove(7, 7);
+    CHECK(descend(ground.grid(), query, start, plenty).status == DescentStatus::off_hole);
+}
+
 TEMPLATE_TEST_CASE("descend: slides along a rim that the query is not beyond, and on", "[descent]", float,
                    double) {
     using T = TestType;
