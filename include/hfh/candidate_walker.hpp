@@ -47,6 +47,7 @@ struct AxisWalk {
 
     Index base, first, cell, last; ///< cell of a; cells where the walk begins, is and ends
     Index step;                    ///< +1, −1, or 0 for a segment that does not move along this axis
+    Index ahead;                   ///< cell i is left on line i + ahead: 1 if the segment goes up, else 0
     double spacing, per_metre;
     double a, d;          ///< start and displacement, in metres from line `base`
     double start, end;    ///< a and b in cells from lines `first` and `last`
@@ -64,14 +65,16 @@ struct AxisWalk {
         a = begin.rest;
         start = in_cells(begin.rest);
         end = in_cells(goal.rest);
-        step = d > 0 ? 1 : d < 0 ? -1 : 0;
+        // Nobody can foresee the direction: what depends on it is computed, here and below, not branched on.
+        ahead = static_cast<Index>(d > 0);
+        step = ahead - static_cast<Index>(d < 0);
         on_line = step == 0 && a == 0;
         end_line = goal.rest == 0 ? goal.cell : std::numeric_limits<Index>::max();
         // Cells are closed: a segment that leaves a line touches the cell behind it, and one that ends on a line
         // touches the cell beyond it.
-        if (step > 0 && a == 0) --cell, start = 1;
-        if (step < 0 && goal.rest == 0) --last, end = 1;
-        if ((last - cell) * step <= 0) last = cell;
+        if (a == 0 && step > 0) --cell, start = 1;
+        if (goal.rest == 0 && step < 0) --last, end = 1;
+        last = cell + (last - cell) * static_cast<Index>((last - cell) * step > 0);
         first = cell;
     }
 
@@ -85,9 +88,7 @@ struct AxisWalk {
         return glm::clamp((static_cast<double>(i - base) * spacing - a) / d, 0.0, 1.0);
     }
     /// When the segment enters the next cell.
-    [[nodiscard]] double next() const noexcept {
-        return cell == last ? never : time_at(step > 0 ? cell + 1 : cell);
-    }
+    [[nodiscard]] double next() const noexcept { return cell == last ? never : time_at(cell + ahead); }
     /// Position at t in the current cell.
     [[nodiscard]] double at(double t) const noexcept {
         if (t == 0 && cell == first) return start;
@@ -97,7 +98,7 @@ struct AxisWalk {
     /// Position at t, where the walk begins in the current cell: to the bit on a line that is met at t.
     [[nodiscard]] double entry(double t) noexcept {
         if (t == 0) leave = next(); // no skip_to has told
-        if (cell != first && !beyond && time_at(step > 0 ? cell : cell + 1) >= t) return 1 - leaving();
+        if (cell != first && !beyond && time_at(cell + 1 - ahead) >= t) return 1 - leaving();
         return leave <= t ? leaving() : at(t);
     }
     void advance() noexcept {
@@ -111,13 +112,14 @@ struct AxisWalk {
         leave = next();
     }
     /// The line on which the current cell is left (1 or 0).
-    [[nodiscard]] double leaving() const noexcept { return step > 0 ? 1 : 0; }
+    [[nodiscard]] double leaving() const noexcept { return static_cast<double>(ahead); }
 
     /// When the segment enters and leaves the cells from ≤ i < past; later than `never` if it does not.
     [[nodiscard]] bool clip(Index from, Index past, double& t_enter, double& t_leave) const noexcept {
         if (step == 0) return (from <= first && first < past) || (on_line && first == past);
         const Index lowest = glm::min(first, last), highest = glm::max(first, last);
         if (highest < from || lowest >= past) return false;
+        if (lowest >= from && highest < past) return true;
         const Index in = step > 0 ? from : past - 1;
         const Index out = step > 0 ? past - 1 : from;
         if ((in - first) * step > 0) t_enter = glm::max(t_enter, time_at(step > 0 ? from : past));
@@ -130,7 +132,7 @@ struct AxisWalk {
         // A cell that is entered before t, by more than rounding.
         const double number = (a + t * d) * per_metre;
         const double blur = 64 * epsilon<double> * (std::abs(number) + 2);
-        const auto near = base + static_cast<Index>(std::floor(step > 0 ? number - blur : number + blur));
+        const auto near = base + static_cast<Index>(std::floor(number - static_cast<double>(step) * blur));
         cell = glm::clamp(near, glm::min(first, last), glm::max(first, last));
         cell = glm::clamp(cell, from, past - 1);
         beyond = cell == near;
@@ -190,8 +192,9 @@ struct CellWalk {
 
     /// Whether the next cell is in the range.
     [[nodiscard]] bool inside(const CellRange& range) const noexcept {
-        return ((range.first.i <= x.cell && x.cell < range.last.i) || x.on_line) &&
-               ((range.first.j <= y.cell && y.cell < range.last.j) || y.on_line);
+        const bool in_x = (range.first.i <= x.cell) & (x.cell < range.last.i),
+                   in_y = (range.first.j <= y.cell) & (y.cell < range.last.j);
+        return (in_x | x.on_line) & (in_y | y.on_line);
     }
 
     /// Visits the cells of `range`, until the next one is not in `part`, which is in `range`: then true. False if the

@@ -227,8 +227,7 @@ template <HeightField Field>
     const bool sheet = options.surface == SurfaceKind::sheet;
     Side side = options.side;
     bool leaving = options.leaves_within >= 0, under = false;
-    double covered_to = 0;                 // up to here there was surface all along
-    double carried_at = -1, carried_f = 0; // the height over the surface where the last patch was left
+    double covered_to = 0; // up to here there was surface all along
 
     plain::walk_cells(field.lattice(), field.cells(), {a.x, a.y}, {b.x, b.y}, [&](const CellSpan& span) {
         if (span.t_in > covered_to && !leaving) side = Side::none;
@@ -262,10 +261,8 @@ template <HeightField Field>
                                           static_cast<double>(p.p01), static_cast<double>(p.p11)};
         glm::dvec2 from = span.in;
         double t = span.t_in;
-        double f0 = carried_at == span.t_in ? carried_f : z_in - patch.height(from.x, from.y);
+        double f0 = z_in - patch.height(from.x, from.y);
         const double f1 = z_out - patch.height(span.out.x, span.out.y);
-        carried_at = span.t_out;
-        carried_f = f1;
         if (side == Side::none) {
             double way = f0;
             if (sheet && f0 == 0) { // on the sheet: where it goes from there
@@ -285,7 +282,6 @@ template <HeightField Field>
                 under = side == Side::above ? f1 < 0 : f1 > 0;
                 result.t = span.t_in;
                 result.point = {span.cell, static_cast<T>(span.in.x), static_cast<T>(span.in.y)};
-                carried_f = 0;
                 return true;
             }
             leaving = false;
