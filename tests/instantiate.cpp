@@ -141,7 +141,7 @@ template <Real T, Sample S>
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
            nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == BoundsStatus::ok &&
            bounded.update({{1, 1}, {2, 2}}) == BoundsStatus::ok &&
-           bounded.block_range(0, {0, 0}).lowest < 300 &&
+           bounded.block_range(0, {0, 0}, {0, 0}).lowest < 300 &&
            bounded_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&
            holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 && to_string(contact.status) != nullptr;
 }

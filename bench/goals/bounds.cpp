@@ -54,16 +54,17 @@ Findings bounds(const Settings& settings) {
                    " GB/s, " + text(static_cast<double>(samples) / 1e6) + " M samples";
     // The ranges hold what they bound.
     const auto& field = bounded.field();
-    for (Index J = 0; J < (side - 2) / 16; J += 37) {
-        for (Index I = 0; I < (side - 2) / 16; I += 41) {
+    const Index wide = Index{1} << field.block_bits;
+    for (Index J = 0; J < (side - 2) / wide; J += 37) {
+        for (Index I = 0; I < (side - 2) / wide; I += 41) {
             double low = 1e300, high = -1e300;
-            for (Index j = 16 * J; j <= 16 * J + 16; ++j) {
-                for (Index i = 16 * I; i <= 16 * I + 16; ++i) {
+            for (Index j = wide * J; j <= wide * J + wide; ++j) {
+                for (Index i = wide * I; i <= wide * I + wide; ++i) {
                     low = std::min(low, ground.sample(i, j));
                     high = std::max(high, ground.sample(i, j));
                 }
             }
-            const auto range = field.block_range(0, {I, J});
+            const auto range = field.block_range(0, {I, J}, {I, J});
             if (range.lowest != low || range.highest != high) throw Fault{"a block's bounds are wrong"};
         }
     }

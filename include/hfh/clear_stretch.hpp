@@ -35,13 +35,18 @@ public:
     /// `along` and `across` are the axes of the segment, from az to bz. Precondition: it goes a cell along or more, and
     /// not less than across.
     Profile(const AxisWalk& along, const AxisWalk& across, double az, double bz) noexcept
-        : along_base_{along.base}, backwards_{along.step < 0 ? -1 : 0}, across_base_{across.base} {
+        : along_base_{along.base}, backwards_{along.ahead - 1} {
+        ahead_ = (along.base ^ backwards_) - backwards_;
         // t = (k − start)/length; cell and height are linear in t.
         const double length = std::abs(along.d * along.per_metre), per_line = 1 / length;
         const double start = along.a * along.per_metre * static_cast<double>(along.step);
         cell_step_ = across.d * across.per_metre * per_line;
         z_step_ = (bz - az) * per_line;
-        cell_ = across.a * across.per_metre - start * cell_step_;
+        // Counted from below all that the segment passes: to round towards zero is to round down, which is one
+        // instruction (a cast of 30 or 300 cells takes 6 to 8 % less time).
+        const auto below = static_cast<Index>(length) + 4;
+        across_base_ = across.base - below;
+        cell_ = across.a * across.per_metre - start * cell_step_ + static_cast<double>(below);
         z_ = az - start * z_step_;
         // Some ulps of the largest numbers that go in; lines k are at most two cells beyond the ends. The rests in
         // `along` and `across` have the rounding of the number of the cell.
@@ -67,7 +72,7 @@ public:
 
     /// How many columns of its block lie before a column, if blocks are 2ⁿ columns wide.
     [[nodiscard]] Index columns_before(Index column, Index width) const noexcept {
-        return (cell_along(column) ^ backwards_) & (width - 1);
+        return (ahead_ + column) & (width - 1);
     }
 
     [[nodiscard]] Crossing crossing(double line) const noexcept {
@@ -90,18 +95,17 @@ public:
 
     /// How many lines on from line k it takes to come down to z, about; 0 if it does not come down.
     [[nodiscard]] Index lines_over(double z, Index k) const noexcept {
-        const double room = crossing(static_cast<double>(k)).z - z;
-        if (!(z_step_ < 0 && room > 0)) return 0;
         constexpr double far = static_cast<double>(CellRange::endless().last.i);
-        return static_cast<Index>(glm::min(room / -z_step_, far));
+        const double lines = (crossing(static_cast<double>(k)).z - z) / -z_step_;
+        return static_cast<Index>(glm::min(glm::max(0.0, lines), far)); // 0 for what is no number
     }
 
 private:
     [[nodiscard]] Index cell(double number) const noexcept {
-        return across_base_ + static_cast<Index>(std::floor(number));
+        return across_base_ + static_cast<Index>(number);
     }
 
-    Index along_base_, backwards_, across_base_;
+    Index along_base_, backwards_, ahead_, across_base_;
     double cell_, cell_step_,
         cell_blur_; ///< across, in cells from `across_base_`: on line 0, per line, how well known
     double z_, z_step_, z_blur_, z_low_, z_high_; ///< the same of the height, and both ends
@@ -164,7 +168,11 @@ struct Stretch {
 template <bool along_x, HeightField Field>
 class Stretches {
 public:
-    Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {}
+    Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {
+        if constexpr (BoundedHeightField<Field>) {
+            if (field.levels() == 0) cells_to_ = CellRange::endless().last.i;
+        }
+    }
 
     /// From column `from` on, of the next `count`. On `side`, if it is known. Looks at `budget` cells at the most, and
     /// up to three more.
@@ -234,9 +242,9 @@ private:
         return count;
     }
 
-    [[nodiscard]] static constexpr Index side_length(int level) noexcept {
-        return Index{1} << (block_bits + level);
-    }
+    /// log₂ of the cells along a side of a block.
+    [[nodiscard]] static constexpr int bits(int level) noexcept { return Field::block_bits + 2 * level; }
+    [[nodiscard]] static constexpr Index side_length(int level) noexcept { return Index{1} << bits(level); }
     /// From a column to the last one of its block, both counted.
     [[nodiscard]] Index columns_left(int level, Index column) const noexcept {
         return side_length(level) - profile_.columns_before(column, side_length(level));
@@ -245,28 +253,28 @@ private:
     /// all, or those before it comes down to the highest.
     [[nodiscard]] Stretch clear_of_blocks(Index from, Index columns) const noexcept {
         const Profile::Part part = profile_.between(from, from + columns);
-        const int bits = block_bits + level_;
-        const Index along = profile_.cell_along(from) >> bits, here = part.first >> bits,
-                    there = part.last >> bits;
+        const int shift = bits(level_);
+        const Index along = profile_.cell_along(from) >> shift, here = part.first >> shift,
+                    there = part.last >> shift;
         if (!across_cells<along_x>(field_.cells()).contain(part)) return {};
         // As wide as they are long, they are one or two, which nobody can foresee; three where the segment goes through a
         // vertex.
-        const auto one = block_range(along, here), other = block_range(along, there);
-        auto top = glm::max(one.highest, other.highest), bottom = glm::min(one.lowest, other.lowest);
+        auto range = block_range(along, here, there);
         if (there - here > 1) [[unlikely]] {
-            const auto between = block_range(along, here + 1);
-            top = glm::max(top, between.highest);
-            bottom = glm::min(bottom, between.lowest);
+            const auto between = block_range(along, here + 1, here + 1);
+            range = {glm::min(range.lowest, between.lowest), glm::max(range.highest, between.highest)};
         }
-        const double highest = static_cast<double>(top);
+        const double highest = static_cast<double>(range.highest);
         if (highest < part.lowest) return {columns, Side::above};
-        if (part.highest < static_cast<double>(bottom)) return {columns, Side::below};
+        if (part.highest < static_cast<double>(range.lowest)) return {columns, Side::below};
+        if (level_ > 0) return {}; // a lower level tells more
         const Index over = glm::min(profile_.lines_over(highest, from), columns - 1);
-        const bool clear = over > 0 && highest < profile_.between(from, from + over).lowest;
+        const bool clear = highest < profile_.between(from, from + over).lowest;
         return {clear ? over : 0, Side::above};
     }
-    [[nodiscard]] auto block_range(Index along, Index across) const noexcept {
-        return field_.block_range(level_, along_x ? Cell{along, across} : Cell{across, along});
+    [[nodiscard]] auto block_range(Index along, Index one, Index other) const noexcept {
+        return along_x ? field_.block_range(level_, {along, one}, {along, other})
+                       : field_.block_range(level_, {one, along}, {other, along});
     }
 
     const Field& field_;

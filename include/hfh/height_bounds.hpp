@@ -34,8 +34,11 @@ enum class BoundsStatus : unsigned char {
 
 namespace detail {
 
-/// The cells along a side of a block of level 0.
-inline constexpr Index block_side = Index{1} << block_bits;
+/// log₂ of the cells along a side of a block of level 0: as small as a tenth of a byte a sample allows.
+template <Sample S>
+inline constexpr int block_bits = sizeof(S) <= 2 ? 3 : 4;
+template <Sample S>
+inline constexpr Index block_side = Index{1} << block_bits<S>;
 
 /// Whether a sample is a number at all. What is not makes no patch, whatever its source says.
 template <Sample S>
@@ -90,25 +93,25 @@ template <Sample S>
 class ColumnStrip {
 public:
     /// Three arrays of 4 KiB: they stay in the first-level cache, and on any stack.
-    static constexpr Index most_blocks = 4096 / (block_side * Index{sizeof(S)});
+    static constexpr Index side = block_side<S>;
+    static constexpr Index most_blocks = 4096 / (side * Index{sizeof(S)});
 
-    /// Rows first ≤ j ≤ last, at most 17, of `columns` samples, at most 16·most_blocks + 1.
+    /// Rows first ≤ j ≤ last, at most side + 1, of `columns` samples, at most side·most_blocks + 1.
     template <class Rows>
     constexpr void read(const Rows& rows, Index columns, Index first, Index last) noexcept {
-        take(rows, std::make_index_sequence<block_side + 1>{}, columns, first, last, lowest_, highest_,
-             hole_);
+        take(rows, std::make_index_sequence<side + 1>{}, columns, first, last, lowest_, highest_, hole_);
         // The last block may be cut off by the border: its last column again in those it lacks.
-        for (Index c = columns; c % block_side != 1; ++c) {
+        for (Index c = columns; c % side != 1; ++c) {
             lowest_[c] = lowest_[columns - 1];
             highest_[c] = highest_[columns - 1];
             if constexpr (Rows::may_have_holes) hole_[c] = hole_[columns - 1];
         }
     }
 
-    /// Over columns 16b to 16b + 16, both shared with the neighbours.
+    /// Over columns b·side to (b + 1)·side, both shared with the neighbours.
     template <class Rows>
     [[nodiscard]] constexpr SampleRange<S> block(Index b) const noexcept {
-        const Index first = b * block_side, last = first + block_side;
+        const Index first = b * side, last = first + side;
         S low = lowest_[last], high = highest_[last];
         for (Index c = first; c < last; ++c) low = std::min(low, lowest_[c]);
         for (Index c = first; c < last; ++c) high = std::max(high, highest_[c]);
@@ -148,15 +151,15 @@ private:
         }
     }
 
-    S lowest_[most_blocks * block_side + 1];
-    S highest_[most_blocks * block_side + 1];
-    Flag hole_[most_blocks * block_side + 1];
+    S lowest_[most_blocks * side + 1];
+    S highest_[most_blocks * side + 1];
+    Flag hole_[most_blocks * side + 1];
 };
 
 } // namespace detail
 
 /// The lowest and highest samples over blocks of cells, levels and blocks as in `BoundedHeightField`: level l has blocks
-/// of 2ᵇ × 2ᵇ cells, b = 4 + l, and the highest level has one, which holds all cells. n × n cells touch (n+1) × (n+1)
+/// of 2ᵇ × 2ᵇ cells, b = block_bits + 2 l, and the highest level has one, which holds all cells. n × n cells touch (n+1) × (n+1)
 /// samples. A view on the user's own storage, level by level, each row by row:
 ///
 ///     std::vector<SampleRange<S>> storage(HeightBounds<S>::size(columns, rows));
@@ -171,8 +174,12 @@ public:
     using SampleType = S;
     using Range = SampleRange<S>;
 
-    /// The ranges of storage that columns × rows samples need, 0 if they make no cell: one for each block of 256 cells
-    /// and a third of that above. In bytes, sizeof(S)/96 a sample and a little for blocks cut off at the border.
+    /// Blocks of 8 × 8 cells for samples of one byte or two, of 16 × 16 for larger ones: the smaller they are, the fewer
+    /// cells a cast looks at (8 × 8: 300 cells take 2 to 11 % less time), and the more storage they need.
+    static constexpr int block_bits = detail::block_bits<S>;
+
+    /// The ranges of storage that columns × rows samples need, 0 if they make no cell: one for each block of level 0 and
+    /// a fifteenth of that above. At most a tenth of a byte a sample, and a little for blocks cut off at the border.
     [[nodiscard]] static constexpr Index size(Index columns, Index rows) noexcept {
         return HeightBounds{}.lay_out(columns, rows);
     }
@@ -192,15 +199,16 @@ public:
     /// Bounds nothing where there is no such block, and if the status is not ok.
     [[nodiscard]] constexpr Range range(int level, Cell block) const noexcept {
         if (status_ != BoundsStatus::ok || level < 0 || level >= levels_) return {};
-        // One comparison for both ends: `CellRange::contains` takes 1 to 3 % more instructions in a cast of 300 cells.
-        const Level& blocks = level_[level];
-        const auto i = static_cast<std::size_t>(block.i), j = static_cast<std::size_t>(block.j);
-        if (i >= static_cast<std::size_t>(blocks.columns) || j >= static_cast<std::size_t>(blocks.rows))
-            return {};
-        return at(level, block);
+        const CellRange blocks{{0, 0}, {level_[level].columns, level_[level].rows}};
+        return blocks.contains(block) ? at(level, block) : Range{};
     }
 
-    /// Makes all ranges, in one pass over the samples, 16 rows at a time and each from left to right. A row that two
+    /// Of two blocks together. Precondition: there are both, and the status is ok.
+    [[nodiscard, gnu::always_inline]] constexpr Range range(int level, Cell one, Cell other) const noexcept {
+        return join(at(level, one), at(level, other));
+    }
+
+    /// Makes all ranges, in one pass over the samples, a row of blocks at a time and each from left to right. A row that two
     /// rows of blocks share is read again while a cache has it. Vector code where a row's samples lie side by side (a
     /// `HeightView` with a column stride of 1), which is at least half as fast as memory can be read, a
     /// third with a hole in most blocks; 5 to 20 times slower for other strides and sources.
@@ -211,8 +219,8 @@ public:
     }
 
     /// Makes the ranges anew that samples first.i ≤ i < last.i, first.j ≤ j < last.j touch, as far as there are such:
-    /// after an edit of them. Reads the blocks of these samples and no others: up to 4 of 17 × 17 samples for a brush of
-    /// up to 16 × 16, then at most 4 ranges for each of as many or fewer blocks on every level.
+    /// after an edit of them. Reads the blocks of these samples and no others: up to 4 for a brush no wider than a block,
+    /// then at most 16 ranges for each of as many or fewer blocks on every level.
     template <HeightSource Heights>
         requires std::same_as<typename Heights::SampleType, S>
     constexpr BoundsStatus update(const Heights& heights, const CellRange& samples) noexcept {
@@ -223,13 +231,12 @@ public:
             {std::max<Index>(samples.first.i, 1) - 1, std::max<Index>(samples.first.j, 1) - 1},
             {std::min(samples.last.i, columns_ - 1), std::min(samples.last.j, rows_ - 1)}};
         if (samples.empty() || cells.empty()) return status_;
-        CellRange touched{
-            {cells.first.i >> detail::block_bits, cells.first.j >> detail::block_bits},
-            {((cells.last.i - 1) >> detail::block_bits) + 1, ((cells.last.j - 1) >> detail::block_bits) + 1}};
+        CellRange touched{{cells.first.i >> block_bits, cells.first.j >> block_bits},
+                          {((cells.last.i - 1) >> block_bits) + 1, ((cells.last.j - 1) >> block_bits) + 1}};
         read_blocks(heights, touched);
         for (int level = 1; level < levels_; ++level) {
-            touched = {{touched.first.i / 2, touched.first.j / 2},
-                       {(touched.last.i + 1) / 2, (touched.last.j + 1) / 2}};
+            touched = {{touched.first.i / 4, touched.first.j / 4},
+                       {(touched.last.i + 3) / 4, (touched.last.j + 3) / 4}};
             for (Index j = touched.first.j; j < touched.last.j; ++j) {
                 for (Index i = touched.first.i; i < touched.last.i; ++i) join_below(level, {i, j});
             }
@@ -248,11 +255,11 @@ private:
         if (columns < 2 || rows < 2) return 0;
         columns_ = columns;
         rows_ = rows;
-        const Cell last{(columns - 2) >> detail::block_bits, (rows - 2) >> detail::block_bits};
-        levels_ = 1 + static_cast<int>(std::bit_width(static_cast<std::size_t>(std::max(last.i, last.j))));
+        const auto last = static_cast<std::size_t>((std::max(columns, rows) - 2) >> block_bits);
+        levels_ = 1 + (static_cast<int>(std::bit_width(last)) + 1) / 2;
         Index count = 0;
         for (int level = 0; level < levels_; ++level) {
-            const int bits = detail::block_bits + level;
+            const int bits = block_bits + 2 * level;
             const Index i = ((columns - 2) >> bits) + 1, j = ((rows - 2) >> bits) + 1;
             level_[level] = {count, i, j};
             constexpr Index most = std::numeric_limits<Index>::max();
@@ -269,14 +276,18 @@ private:
     /// Both together; holed if one is.
     [[nodiscard]] static constexpr Range join(const Range& a, const Range& b) noexcept {
         if (a.holed() || b.holed()) return {};
-        return {std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
+        // Not `std::min`, which GCC makes a branch of.
+        return {b.lowest < a.lowest ? b.lowest : a.lowest, a.highest < b.highest ? b.highest : a.highest};
     }
     constexpr void join_below(int level, Cell block) noexcept {
         const Level& below = level_[level - 1];
-        const Index i = 2 * block.i, j = 2 * block.j, east = std::min(i + 1, below.columns - 1),
-                    north = std::min(j + 1, below.rows - 1);
-        at(level, block) = join(join(at(level - 1, {i, j}), at(level - 1, {east, j})),
-                                join(at(level - 1, {i, north}), at(level - 1, {east, north})));
+        const Index i = 4 * block.i, j = 4 * block.j, past_i = std::min(i + 4, below.columns),
+                    past_j = std::min(j + 4, below.rows);
+        Range all = at(level - 1, {i, j});
+        for (Index y = j; y < past_j; ++y) {
+            for (Index x = i; x < past_i; ++x) all = join(all, at(level - 1, {x, y}));
+        }
+        at(level, block) = all;
     }
 
     /// Makes ranges of level 0, row after row of blocks, each in pieces that a strip holds.
@@ -291,7 +302,7 @@ private:
     }
     template <HeightSource Heights>
     constexpr void read_piece(const Heights& heights, Cell first, Index count) noexcept {
-        read_rows(detail::SourceRows<Heights>{&heights, first.i * detail::block_side}, first, count);
+        read_rows(detail::SourceRows<Heights>{&heights, first.i * side}, first, count);
     }
     template <class Missing>
     constexpr void read_piece(const HeightView<S, Missing>& heights, Cell first, Index count) noexcept {
@@ -308,7 +319,7 @@ private:
                 return;
             }
         }
-        const Index i = first.i * detail::block_side;
+        const Index i = first.i * side;
         if (heights.column_stride() == 1) {
             read_rows(
                 detail::PointerRows<S, Missing>{heights.data() + i, heights.row_stride(), heights.rule()},
@@ -319,7 +330,6 @@ private:
     }
     template <class Rows>
     constexpr void read_rows(const Rows& rows, Cell first, Index count) noexcept {
-        constexpr Index side = detail::block_side;
         const Index columns = std::min(count * side + 1, columns_ - first.i * side);
         detail::ColumnStrip<S> strip;
         strip.read(rows, columns, first.j * side, std::min((first.j + 1) * side, rows_ - 1));
@@ -327,10 +337,12 @@ private:
         for (Index b = 0; b < count; ++b) ranges[b] = strip.template block<Rows>(b);
     }
 
+    static constexpr Index side = detail::block_side<S>;
+
     Range* ranges_ = nullptr;
     Index columns_ = 0; // of samples
     Index rows_ = 0;
-    Level level_[std::numeric_limits<Index>::digits - detail::block_bits + 1] = {};
+    Level level_[(std::numeric_limits<Index>::digits - block_bits) / 2 + 2] = {};
     int levels_ = 0;
     BoundsStatus status_ = BoundsStatus::too_few_samples;
 };
@@ -342,7 +354,7 @@ private:
 ///     field.build();
 ///     ProxyTracker tracker{field};
 ///
-/// If its status is not ok, or before `build`, it is the same surface, and its blocks bound nothing.
+/// If its status is not ok it has no blocks, and before `build` these bound nothing: it is the same surface.
 template <Real T, HeightSource Heights>
 class BoundedGrid {
 public:
@@ -373,11 +385,17 @@ public:
         return grid_.corners_below(corners, z);
     }
 
-    [[nodiscard]] constexpr int levels() const noexcept { return bounds_.levels(); }
-    /// The lowest and the highest corner of the block's patches, to the bit.
-    [[nodiscard]] constexpr HeightRange<T> block_range(int level, Cell block) const noexcept {
+    static constexpr int block_bits = Bounds::block_bits;
+    /// 0 if the status is not ok.
+    [[nodiscard]] constexpr int levels() const noexcept {
+        return status() == BoundsStatus::ok ? bounds_.levels() : 0;
+    }
+    /// The lowest and the highest corner of the patches of two blocks, or of one twice, to the bit. Precondition: there are
+    /// such blocks.
+    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Cell one,
+                                                                           Cell other) const noexcept {
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
-        const auto range = bounds_.range(level, block);
+        const auto range = bounds_.range(level, one, other);
         if (range.holed()) return nothing;
         const T a = grid_.metres(range.lowest), b = grid_.metres(range.highest);
         if constexpr (std::is_floating_point_v<typename Grid::SampleType>) {

@@ -43,11 +43,6 @@ concept CorneredHeightField = HeightField<F>
     };
 // clang-format on
 
-namespace detail {
-/// log₂ of the cells along a side of a block of level 0.
-inline constexpr int block_bits = 4;
-} // namespace detail
-
 /// Heights in metres between which a piece of surface lies.
 template <Real T>
 struct HeightRange {
@@ -57,17 +52,19 @@ struct HeightRange {
 /// A height field that can bound its heights over blocks of cells, so that a long search skips what lies far below or
 /// above it. The cells of such a field are numbered from {0, 0}. Block (I, J) of level l holds the cells
 ///
-///     I·2ᵇ ≤ i < (I+1)·2ᵇ,  J·2ᵇ ≤ j < (J+1)·2ᵇ,  b = 4 + l,  0 ≤ l < levels()
+///     I·2ᵇ ≤ i < (I+1)·2ᵇ,  J·2ᵇ ≤ j < (J+1)·2ᵇ,  b = block_bits + 2 l,  0 ≤ l < levels()
 ///
-/// as far as they are in cells(), and has at least one of them; at the highest level it holds all. Every cell of it
-/// holds a patch, and `block_range` bounds them all; where one is missing the range is [lowest, max] of Scalar, which
-/// bounds nothing.
+/// as far as they are in cells(), and has at least one of them; at the highest level it holds all. `block_range(l, a, b)`
+/// bounds two blocks that share a side, or one twice: every cell of them holds a patch, and the range bounds them all;
+/// where one is missing the range is [lowest, max] of Scalar, which bounds nothing. Precondition: there are such blocks.
+/// 0 levels bound nothing.
 // clang-format off
 template <class F>
 concept BoundedHeightField = HeightField<F>
     && requires(const F& field, int level, Cell block) {
+        { F::block_bits } -> std::convertible_to<int>;
         { field.levels() } noexcept -> std::same_as<int>;
-        { field.block_range(level, block) } noexcept -> std::same_as<HeightRange<typename F::Scalar>>;
+        { field.block_range(level, block, block) } noexcept -> std::same_as<HeightRange<typename F::Scalar>>;
     };
 // clang-format on
 
