@@ -118,10 +118,11 @@ void build(benchmark::State& state, const Heights& heights, const void* memory) 
     }
 
     std::mt19937 bits{50};
+    constexpr Index side = Index{1} << HeightBounds<S>::block_bits;
     for (int n = 0; n < 1000; ++n) {
-        const Cell block{static_cast<Index>(bits() % static_cast<unsigned>((w + 14) / 16)),
-                         static_cast<Index>(bits() % static_cast<unsigned>((h + 14) / 16))};
-        if (!same(bounds.range(0, block), by_samples(heights, block, 16))) {
+        const Cell block{static_cast<Index>(bits() % static_cast<unsigned>((w - 2) / side + 1)),
+                         static_cast<Index>(bits() % static_cast<unsigned>((h - 2) / side + 1))};
+        if (!same(bounds.range(0, block), by_samples(heights, block, side))) {
             return fail(state, "not the bounds of a block");
         }
     }
@@ -163,8 +164,9 @@ void update(benchmark::State& state, std::vector<std::int16_t>& samples, Index w
     }
     for (const Cell at : places) {
         edit(at);
-        const Cell block{at.i / 16, at.j / 16};
-        if (!same(bounds.range(0, block), by_samples(heights, block, 16))) {
+        constexpr Index side = Index{1} << bounds.block_bits;
+        const Cell block{at.i / side, at.j / side};
+        if (!same(bounds.range(0, block), by_samples(heights, block, side))) {
             return fail(state, "not the bounds of an edited block");
         }
     }
