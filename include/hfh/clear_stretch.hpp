@@ -105,7 +105,8 @@ private:
         return across_base_ + static_cast<Index>(number);
     }
 
-    Index along_base_, backwards_, ahead_, across_base_;
+    Index along_base_, backwards_, across_base_;
+    Index ahead_; ///< `along_base_`, counted in the direction of the segment
     double cell_, cell_step_,
         cell_blur_; ///< across, in cells from `across_base_`: on line 0, per line, how well known
     double z_, z_step_, z_blur_, z_low_, z_high_; ///< the same of the height, and both ends

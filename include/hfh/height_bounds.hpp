@@ -92,8 +92,8 @@ struct SourceRows {
 template <Sample S>
 class ColumnStrip {
 public:
-    /// Three arrays of 4 KiB: they stay in the first-level cache, and on any stack.
     static constexpr Index side = block_side<S>;
+    /// Three arrays of 4 KiB: they stay in the first-level cache, and on any stack.
     static constexpr Index most_blocks = 4096 / (side * Index{sizeof(S)});
 
     /// Rows first ≤ j ≤ last, at most side + 1, of `columns` samples, at most side·most_blocks + 1.
@@ -159,8 +159,8 @@ private:
 } // namespace detail
 
 /// The lowest and highest samples over blocks of cells, levels and blocks as in `BoundedHeightField`: level l has blocks
-/// of 2ᵇ × 2ᵇ cells, b = block_bits + 2 l, and the highest level has one, which holds all cells. n × n cells touch (n+1) × (n+1)
-/// samples. A view on the user's own storage, level by level, each row by row:
+/// of 2ᵇ × 2ᵇ cells, b = block_bits + 2 l, and the highest level has one, which holds all cells. n × n cells touch
+/// (n+1) × (n+1) samples. A view on the user's own storage, level by level, each row by row:
 ///
 ///     std::vector<SampleRange<S>> storage(HeightBounds<S>::size(columns, rows));
 ///     HeightBounds<S> bounds{storage.data(), std::ssize(storage), columns, rows};
@@ -208,10 +208,10 @@ public:
         return join(at(level, one), at(level, other));
     }
 
-    /// Makes all ranges, in one pass over the samples, a row of blocks at a time and each from left to right. A row that two
-    /// rows of blocks share is read again while a cache has it. Vector code where a row's samples lie side by side (a
-    /// `HeightView` with a column stride of 1), which is at least half as fast as memory can be read, a
-    /// third with a hole in most blocks; 5 to 20 times slower for other strides and sources.
+    /// Makes all ranges, in one pass over the samples, a row of blocks at a time and each from left to right. A row that
+    /// two rows of blocks share is read again while a cache has it. Vector code where a row's samples lie side by side (a
+    /// `HeightView` with a column stride of 1), which is at least half as fast as memory can be read; 5 to 20 times
+    /// slower for other strides and sources.
     template <HeightSource Heights>
         requires std::same_as<typename Heights::SampleType, S>
     constexpr BoundsStatus build(const Heights& heights) noexcept {
