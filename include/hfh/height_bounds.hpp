@@ -175,7 +175,7 @@ public:
     using Range = SampleRange<S>;
 
     /// Blocks of 8 × 8 cells for samples of one byte or two, of 16 × 16 for larger ones: the smaller they are, the fewer
-    /// cells a cast looks at (8 × 8: 300 cells take 2 to 11 % less time), and the more storage they need.
+    /// cells a cast looks at (8 × 8: 300 cells take 2 to 14 % less time), and the more storage they need.
     static constexpr int block_bits = detail::block_bits<S>;
 
     /// The ranges of storage that columns × rows samples need, 0 if they make no cell: one for each block of level 0 and
