@@ -486,6 +486,15 @@ TEMPLATE_TEST_CASE("height_bounds: says why it bounds nothing, and the surface i
         return range.lowest == std::numeric_limits<T>::lowest() &&
                range.highest == std::numeric_limits<T>::max();
     };
+    const auto check_casts = [&](const auto& field) { // over all of it, and into it
+        for (const double z : {9.0, -9.0}) {
+            const auto with = hfh::first_hit(field, {0.5, 28.5, 9}, {38.5, 0.5, z});
+            const auto plain = hfh::first_hit(grid, {0.5, 28.5, 9}, {38.5, 0.5, z});
+            CHECK(with.status == (z > 0 ? hfh::HitStatus::miss : hfh::HitStatus::hit));
+            CHECK(with.t == plain.t);
+            CHECK(with.side == plain.side);
+        }
+    };
     // Too little storage, or none.
     for (const Index count : {std::ssize(storage) - 1, Index{0}, Index{-1}}) {
         BoundedGrid field{grid, storage.data(), count};
@@ -496,6 +505,7 @@ TEMPLATE_TEST_CASE("height_bounds: says why it bounds nothing, and the surface i
         CHECK(field.bounds().levels() == 3);
         CHECK(field.bounds().range(0, {0, 0}).holed());
         CHECK(field.patch({38, 28}).has_value());
+        check_casts(field);
         CHECK(storage[0].holed());
     }
     CHECK(BoundedGrid{grid, nullptr, 1000}.build() == BoundsStatus::too_little_storage);
@@ -504,6 +514,7 @@ TEMPLATE_TEST_CASE("height_bounds: says why it bounds nothing, and the surface i
     BoundedGrid field{grid, storage.data(), std::ssize(storage)};
     CHECK(field.status() == BoundsStatus::ok);
     CHECK(field.levels() == 3);
+    check_casts(field);
     CHECK(nothing(field.block_range(0, {0, 0}, {1, 0})));
     CHECK(nothing(field.block_range(2, {0, 0}, {0, 0})));
     CHECK(field.build() == BoundsStatus::ok);
