@@ -259,7 +259,7 @@ private:
         levels_ = 1 + (static_cast<int>(std::bit_width(last)) + 1) / 2;
         Index count = 0;
         for (int level = 0; level < levels_; ++level) {
-            const int bits = block_bits + 2 * level;
+            const int bits = std::min(block_bits + 2 * level, std::numeric_limits<Index>::digits);
             const Index i = ((columns - 2) >> bits) + 1, j = ((rows - 2) >> bits) + 1;
             level_[level] = {count, i, j};
             constexpr Index most = std::numeric_limits<Index>::max();
