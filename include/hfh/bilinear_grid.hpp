@@ -93,19 +93,26 @@ public:
             low = sample < low ? sample : low;
             high = high < sample ? sample : high;
         }
-        const T highest = metres(height_scale_ < 0 ? low : high);
+        const HeightRange<T> range = heights_between(low, high);
         if constexpr (std::is_floating_point_v<SampleType>) {
-            holes = holes || !is_finite(metres(low)) || !is_finite(metres(high));
+            holes = holes || !is_finite(range.lowest) || !is_finite(range.highest);
         }
-        return !holes && highest < z;
+        return !holes && range.highest < z;
     }
 
-    /// The height of a corner with this sample: never falls as the sample rises, or never rises if the scale is negative.
+    /// The lowest and the highest height of corners with samples from `low` to `high`. If the scale is negative, heights
+    /// fall where samples rise.
+    [[nodiscard]] constexpr HeightRange<T> heights_between(SampleType low, SampleType high) const noexcept {
+        const bool falls = height_scale_ < 0;
+        return {metres(falls ? high : low), metres(falls ? low : high)};
+    }
+
+private:
+    /// The height of a corner with this sample.
     [[nodiscard]] constexpr T metres(SampleType sample) const noexcept {
         return height_offset_ + height_scale_ * static_cast<T>(sample);
     }
 
-private:
     /// Whether every value of an integer sample is a finite height, so that no patch need ask.
     [[nodiscard]] constexpr bool integers_stay_finite() const noexcept {
         using Limits = std::numeric_limits<SampleType>;

@@ -70,6 +70,9 @@ public:
     /// The number of line k in the grid.
     [[nodiscard]] Index grid_line(Index k) const noexcept { return cell_along(k) - backwards_; }
 
+    /// From a column to the next, in cells along.
+    [[nodiscard]] Index step() const noexcept { return 1 + 2 * backwards_; }
+
     /// How many columns of its block lie before a column, if blocks are 2ⁿ columns wide.
     [[nodiscard]] Index columns_before(Index column, Index width) const noexcept {
         return (ahead_ + column) & (width - 1);
@@ -91,13 +94,6 @@ public:
     /// How many cells there are between lines k ≤ m, where the segment passes no vertex.
     [[nodiscard]] Index cells(Index k, Index m) const noexcept {
         return m - k + std::abs(between(m, m).first - between(k, k).first);
-    }
-
-    /// How many lines on from line k it takes to come down to z, about; 0 if it does not come down.
-    [[nodiscard]] Index lines_over(double z, Index k) const noexcept {
-        constexpr double far = static_cast<double>(CellRange::endless().last.i);
-        const double lines = (crossing(static_cast<double>(k)).z - z) / -z_step_;
-        return static_cast<Index>(glm::min(glm::max(0.0, lines), far)); // 0 for what is no number
     }
 
 private:
@@ -171,7 +167,8 @@ class Stretches {
 public:
     Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {
         if constexpr (BoundedHeightField<Field>) {
-            if (field.levels() == 0) cells_to_ = CellRange::endless().last.i;
+            levels_ = field.levels();
+            if (levels_ == 0) cells_to_ = CellRange::endless().last.i;
         }
     }
 
@@ -204,23 +201,25 @@ public:
                 if (clear < wanted) break;
                 continue;
             }
-            const Index width = glm::min(columns_left(level_, here), left);
-            const Stretch clear = clear_of_blocks(here, width);
-            ++found.looked_at;
-            if (clear.columns > 0 && (found.side == clear.side || found.side == Side::none)) {
-                found.side = clear.side;
-                found.columns += clear.columns;
-                if (clear.columns == width) {
-                    const bool higher = level_ + 1 < field_.levels() &&
-                                        columns_left(level_ + 1, here + width) == side_length(level_ + 1);
-                    if (higher) ++level_;
-                    continue;
-                }
+            // As far as the next block of the level above.
+            const bool highest = level_ + 1 == levels_;
+            const Index wanted = highest ? left : glm::min(columns_left(level_ + 1, here), left);
+            Index clear = found.side == Side::below
+                              ? clear_blocks<Side::below>(here, wanted, found.looked_at)
+                              : clear_blocks<Side::above>(here, wanted, found.looked_at);
+            if (found.side == Side::none && clear > 0) found.side = Side::above;
+            if (found.side == Side::none) {
+                --found.looked_at; // the same block again
+                clear = clear_blocks<Side::below>(here, wanted, found.looked_at);
+                if (clear > 0) found.side = Side::below;
             }
-            if (level_ > 0) {
+            found.columns += clear;
+            if (clear == wanted) {
+                if (!highest) ++level_;
+            } else if (level_ > 0) {
                 --level_;
             } else {
-                cells_to_ = here + columns_left(0, here);
+                cells_to_ = here + clear + columns_left(0, here + clear);
             }
         }
         return found;
@@ -250,28 +249,37 @@ private:
     [[nodiscard]] Index columns_left(int level, Index column) const noexcept {
         return side_length(level) - profile_.columns_before(column, side_length(level));
     }
-    /// Of these columns of one block, how many the segment passes on one side of the blocks that it may touch over them:
-    /// all, or those before it comes down to the highest.
-    [[nodiscard]] Stretch clear_of_blocks(Index from, Index columns) const noexcept {
-        const Profile::Part part = profile_.between(from, from + columns);
+    /// Of `count` columns from column `from` on, how many the segment passes on one side of all blocks of the level that it
+    /// may touch over them. Counts the blocks that it looks at.
+    template <Side side>
+    [[nodiscard]] Index clear_blocks(Index from, Index count, Index& looked_at) const noexcept {
         const int shift = bits(level_);
-        const Index along = profile_.cell_along(from) >> shift, here = part.first >> shift,
-                    there = part.last >> shift;
-        if (!across_cells<along_x>(field_.cells()).contain(part)) return {};
-        // As wide as they are long, they are one or two, which nobody can foresee; three where the segment goes through a
-        // vertex.
-        auto range = block_range(along, here, there);
-        if (there - here > 1) [[unlikely]] {
-            const auto between = block_range(along, here + 1, here + 1);
-            range = {glm::min(range.lowest, between.lowest), glm::max(range.highest, between.highest)};
+        const AcrossCells cells = across_cells<along_x>(field_.cells());
+        Index clear = 0, width = glm::min(columns_left(level_, from), count);
+        Index along = profile_.cell_along(from) >> shift;
+        auto here = profile_.crossing(static_cast<double>(from));
+        for (;;) {
+            const auto there = profile_.crossing(static_cast<double>(from + clear + width));
+            const Profile::Part part = profile_.between(here, there);
+            ++looked_at;
+            if (!cells.contain(part)) return clear;
+            // As wide as they are long, they are one or two, which nobody can foresee; three where the segment goes through a
+            // vertex.
+            const Index first = part.first >> shift, last = part.last >> shift;
+            auto range = block_range(along, first, last);
+            if (last - first > 1) [[unlikely]] {
+                const auto between = block_range(along, first + 1, first + 1);
+                range = {glm::min(range.lowest, between.lowest), glm::max(range.highest, between.highest)};
+            }
+            const bool passed = side == Side::above ? static_cast<double>(range.highest) < part.lowest
+                                                    : part.highest < static_cast<double>(range.lowest);
+            if (!passed) return clear;
+            clear += width;
+            if (clear == count) return clear;
+            width = glm::min(side_length(level_), count - clear);
+            along += profile_.step();
+            here = there;
         }
-        const double highest = static_cast<double>(range.highest);
-        if (highest < part.lowest) return {columns, Side::above};
-        if (part.highest < static_cast<double>(range.lowest)) return {columns, Side::below};
-        if (level_ > 0) return {}; // a lower level tells more
-        const Index over = glm::min(profile_.lines_over(highest, from), columns - 1);
-        const bool clear = highest < profile_.between(from, from + over).lowest;
-        return {clear ? over : 0, Side::above};
     }
     [[nodiscard]] auto block_range(Index along, Index one, Index other) const noexcept {
         return along_x ? field_.block_range(level_, {along, one}, {along, other})
@@ -280,7 +288,7 @@ private:
 
     const Field& field_;
     const Profile& profile_;
-    int level_ = 0;
+    int level_ = 0, levels_ = 0;
     Index cells_to_ =
         std::numeric_limits<Index>::min(); ///< columns before this one are looked at cell by cell
 };

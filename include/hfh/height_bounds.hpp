@@ -397,11 +397,11 @@ public:
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
         const auto range = bounds_.range(level, one, other);
         if (range.holed()) return nothing;
-        const T a = grid_.metres(range.lowest), b = grid_.metres(range.highest);
+        const HeightRange<T> heights = grid_.heights_between(range.lowest, range.highest);
         if constexpr (std::is_floating_point_v<typename Grid::SampleType>) {
-            if (!is_finite(a) || !is_finite(b)) return nothing; // no patch has such a corner
+            if (!is_finite(heights.lowest) || !is_finite(heights.highest)) return nothing; // no such patch
         }
-        return {std::min(a, b), std::max(a, b)};
+        return heights;
     }
 
 private:
