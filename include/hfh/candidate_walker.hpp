@@ -201,7 +201,7 @@ struct CellWalk {
     /// visitor stopped it, or the segment left `range` or ended.
     template <class Visitor>
     bool visit(const CellRange& range, const CellRange& part, Visitor&& visit) noexcept {
-        const auto visit_one = [&](const CellSpan& span) {
+        const auto visit_beside = [&](const CellSpan& span) {
             return !range.contains(span.cell) || visit(span);
         };
         if (entered) in = {x.entry(t), y.entry(t)};
@@ -230,10 +230,10 @@ struct CellWalk {
                     beside.cell = {x.cell - left, y.cell - below};
                     if (left > 0) beside.in.x = beside.out.x = 1;
                     if (below > 0) beside.in.y = beside.out.y = 1;
-                    if (!visit_one(beside)) return false;
+                    if (!visit_beside(beside)) return false;
                 }
             }
-            if (!visit_one(span)) return false;
+            if (range.contains(span.cell) && !visit(span)) return false;
             if (!cross_x && !cross_y) return false;
 
             in = out;
@@ -243,7 +243,7 @@ struct CellWalk {
                 for (const bool by_x : {true, false}) {
                     const glm::dvec2 there{by_x ? in.x : out.x, by_x ? out.y : in.y};
                     const Cell beside = by_x ? Cell{x.cell + x.step, y.cell} : Cell{x.cell, y.cell + y.step};
-                    if (!visit_one({beside, t_out, t_out, there, there})) return false;
+                    if (!visit_beside({beside, t_out, t_out, there, there})) return false;
                 }
             }
             if (cross_x) x.advance();
