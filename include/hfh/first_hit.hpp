@@ -211,11 +211,10 @@ template <HeightField Field>
                to = cell(glm::max(ax, bx) + blur_x, glm::max(ay, by) + blur_y);
     const Index columns = 1 + to.i - from.i, rows = 1 + to.j - from.j;
     if (columns > 2 || rows > 2) return 0;
-    // Clear of rounding in the exact walk, which is a few ulps.
-    const double lowest = glm::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z));
-    const auto below = [lowest](const auto& patch) {
-        return patch && static_cast<double>(patch->highest()) < lowest;
-    };
+    // Clear of rounding in the exact walk, which is a few ulps; and rounding to T keeps the order.
+    const auto lowest = static_cast<typename Field::Scalar>(
+        glm::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z)));
+    const auto below = [lowest](const auto& patch) { return patch && patch->highest() < lowest; };
     // One cell or two: a processor that is asked to guess which is wrong too often. To look at one twice costs less.
     if (!below(field.patch(from)) || !below(field.patch(to))) return 0;
     if (columns + rows == 4 && !(below(field.patch({to.i, from.j})) && below(field.patch({from.i, to.j})))) {
