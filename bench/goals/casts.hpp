@@ -19,7 +19,7 @@ inline constexpr std::size_t casts_a_slice = 512;
 template <Real T>
 struct CastSet {
     double length; ///< cells
-    std::vector<PeerSegment> queries;
+    std::vector<CastSegment<T>> queries;
     std::vector<double> t; ///< the library's answers; 2: none
 };
 
@@ -29,7 +29,8 @@ template <HeightField Field, Real T = typename Field::Scalar>
     return {set.queries.size() / casts_a_slice, static_cast<double>(casts_a_slice),
             [&field, &set](std::size_t slice) {
                 for (std::size_t k = slice * casts_a_slice; k < (slice + 1) * casts_a_slice; ++k) {
-                    const auto hit = first_hit(field, vec3<T>{set.queries[k].a}, vec3<T>{set.queries[k].b});
+                    const auto hit =
+                        first_hit(field, glm::dvec3{set.queries[k].a}, glm::dvec3{set.queries[k].b});
                     set.t[k] = hit.status == HitStatus::hit ? static_cast<double>(hit.t) : 2;
                 }
             }};
@@ -39,7 +40,7 @@ template <HeightField Field, Real T = typename Field::Scalar>
 template <Real T, HeightField Field, class G>
 [[nodiscard]] CastSet<T> cast_set(const Field& field, const G& ground, double length, std::size_t count) {
     CastSet<T> set{length, {}, std::vector<double>(count)};
-    for (const auto& s : segments(ground, count, length)) set.queries.push_back({s.a, s.b});
+    for (const auto& s : segments(ground, count, length)) set.queries.push_back({vec3<T>{s.a}, vec3<T>{s.b}});
     const Runner run = casts(field, set);
     for (std::size_t slice = 0; slice < run.slices; ++slice) run.run(slice);
     return set;
@@ -48,8 +49,7 @@ template <Real T, HeightField Field, class G>
 /// Whether an answer is the first crossing, by looking at the segment in steps of 1/32 of a cell.
 template <class G, Real T>
 [[nodiscard]] bool is_first_crossing(const G& ground, const CastSet<T>& set, std::size_t k) {
-    // In T the segment is not quite the one that is looked at.
-    const glm::dvec3 a{vec3<T>{set.queries[k].a}}, b{vec3<T>{set.queries[k].b}};
+    const glm::dvec3 a{set.queries[k].a}, b{set.queries[k].b};
     const auto height_over = [&](double t) {
         const glm::dvec3 at = a + t * (b - a);
         return at.z - ground.surface(at.x, at.y);

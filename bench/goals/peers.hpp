@@ -37,9 +37,12 @@ struct PeerHeights {
     }
 };
 
-struct PeerSegment {
-    glm::dvec3 a, b;
+/// In metres.
+template <class T>
+struct CastSegment {
+    glm::vec<3, T> a, b;
 };
+using PeerSegment = CastSegment<double>;
 
 /// Finds where segments first meet the surface.
 struct CastPeer {
