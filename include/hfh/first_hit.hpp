@@ -241,7 +241,9 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
         return along_x ? CellRange{{low, range.first.j}, {past, range.last.j}}
                        : CellRange{{range.first.i, low}, {range.last.i, past}};
     };
-    for (Index block = 1;; block *= 2) { // where nothing is clear for long, do not ask at every column
+    // Behind a column that is not clear the next ones mostly are not: with 3 long casts take 1 to 3 % less than with 1.
+    constexpr Index few = 3;
+    for (Index block = few;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = profile.column_of(along.cell);
         Index from = here;
         if (profile.usable() && !judge.leaving && turned.first.i <= along.cell &&
@@ -257,7 +259,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
                 along.enter(profile.cell_along(from));
                 across.skip_to(t, turned.first.j, turned.last.j);
                 walk.enter_at(t);
-                block = 1;
+                block = few;
             }
         }
         const Index past = glm::min(from + block, stop);
