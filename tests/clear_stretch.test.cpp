@@ -299,6 +299,30 @@ TEMPLATE_TEST_CASE("clear stretch: segments of a thousand cells keep their answe
     CHECK(same.misses > 1'000);
 }
 
+TEMPLATE_TEST_CASE("clear stretch: depths, whose height falls as they rise, keep their answer to the bit",
+                   "[clear_stretch][first_hit][law]", float, double) {
+    using T = TestType;
+    Random random{76};
+    const auto ground = hfh::test::hills<T>(400, 300, 40, 37);
+    std::vector<std::int16_t> depths;
+    for (const T height : ground.heights) depths.push_back(static_cast<std::int16_t>(-8 * height));
+    const hfh::BilinearGrid<T, hfh::HeightView<std::int16_t>> grid{
+        {depths.data(), 400, 300}, {.spacing = {0.7, 3.1}, .height_scale = -0.125}};
+    std::vector<hfh::SampleRange<std::int16_t>> storage(1 << 13);
+    hfh::BoundedGrid bounded{grid, storage.data(), std::ssize(storage)};
+    REQUIRE(bounded.build() == hfh::BoundsStatus::ok);
+    const dvec2 size{399 * 0.7, 299 * 3.1};
+    SameAsPlain same;
+    for (int n = 0; n < 2000; ++n) {
+        const dvec3 a{size * dvec2{random.unit(), random.unit()}, random.between(15, 40)},
+            b{size * dvec2{random.unit(), random.unit()}, random.between(-20, 40)};
+        same(grid, a, b, {});
+        same(bounded, a, b, {});
+    }
+    CHECK(same.hits > 500);
+    CHECK(same.misses > 500);
+}
+
 TEMPLATE_TEST_CASE("clear stretch: heights of every size, and neighbours of another one",
                    "[clear_stretch][first_hit][hard]", float, double) {
     using T = TestType;
