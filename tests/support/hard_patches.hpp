@@ -120,7 +120,8 @@ private:
 };
 
 /// The distance from the query to the closed patch: for each v the nearest u is a foot on a straight line, and the same the
-/// other way round; both are scanned, and every dip of the scan is narrowed by golden section.
+/// other way round; both are scanned, finer towards the ends, where cliffs have their narrow dips, and every dip of the
+/// scan is narrowed by golden section.
 [[nodiscard]] inline Wide scanned_distance(const SeenPatch& seen) {
     const WidePatch& p = seen.patch;
     const Point& q = seen.query;
@@ -140,12 +141,19 @@ private:
     };
     Wide best = std::min(along_u(0), along_u(1));
     const auto scan = [&](auto&& distance) {
-        constexpr int pieces = 48;
-        Wide at[pieces + 1];
-        for (int k = 0; k <= pieces; ++k) at[k] = distance(Wide(k) / pieces);
-        for (int k = 0; k <= pieces; ++k) {
-            if ((k > 0 && at[k - 1] < at[k]) || (k < pieces && at[k + 1] < at[k])) continue;
-            Wide low = Wide(std::max(k - 1, 0)) / pieces, high = Wide(std::min(k + 1, pieces)) / pieces;
+        constexpr int even = 48, finer = 20, last = even + 2 * finer;
+        Wide where[last + 1], at[last + 1];
+        for (int k = 0; k <= last; ++k) {
+            const int from_end = std::min(k, last - k);
+            const Wide off = from_end == 0       ? Wide(0)
+                             : from_end <= finer ? std::pow(Wide(3), Wide(from_end - finer - 1)) / even
+                                                 : Wide(from_end - finer) / even;
+            where[k] = k <= last / 2 ? off : 1 - off;
+            at[k] = distance(where[k]);
+        }
+        for (int k = 0; k <= last; ++k) {
+            if ((k > 0 && at[k - 1] < at[k]) || (k < last && at[k + 1] < at[k])) continue;
+            Wide low = where[std::max(k - 1, 0)], high = where[std::min(k + 1, last)];
             constexpr Wide golden = 0.618033988749894848204586834L;
             Wide x = high - golden * (high - low), y = low + golden * (high - low), fx = distance(x),
                  fy = distance(y);
