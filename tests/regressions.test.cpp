@@ -89,6 +89,34 @@ TEST_CASE("global_closest_point: on a cliff of a million cells it is the closest
     }
 }
 
+TEST_CASE(
+    "global_closest_point: on a cliff whose valley is all but level it is found before intervals run out",
+    "[global_closest_point][regression]") {
+    // Two minima a twentieth of a cell apart, with a height of F between them of 10⁻⁶ of it.
+    const BilinearPatch<double> patch{-78000000, 0, 0, 0, {60, 60}};
+    const auto found = global_closest_point(patch, CellPoint<double>{0, -0.0001, -19500000});
+    CHECK(found.status == GlobalStatus::searched);
+    CHECK(found.intervals < 500);
+    const WidePatch seen{-78000000 + 19500000, 19500000, 19500000, 19500000, 60, 60};
+    const Point offset =
+        seen.position(static_cast<Wide>(found.u), static_cast<Wide>(found.v)) - Point{0, -0.006L, 0};
+    CHECK(static_cast<double>(length(offset)) <= 42.4304973477);
+}
+
+TEMPLATE_TEST_CASE("proxy_tracker: on its way to a stylus on the rim of a hole it is felt",
+                   "[proxy_tracker][regression]", float, double) {
+    // The hole is on the right of the line on which the stylus is, the surface on the left.
+    auto made = terrain<TestType>(8, 4, [](Index i, Index) { return i < 5 ? 3 : i; });
+    auto grid = made.grid();
+    ProxyTracker tracker{grid, {.max_patches = 1}};
+    (void)tracker.update({TestType(5.75), TestType(1.5), TestType(7)});
+    REQUIRE(tracker.update({TestType(5.75), TestType(1.5), TestType(2)}).touching());
+    made.at(3, 1) = std::numeric_limits<TestType>::quiet_NaN();
+    const auto contact = tracker.update({TestType(2), TestType(1), TestType(2)});
+    REQUIRE(contact.status == ContactStatus::descent_limit);
+    CHECK(contact.depth > 0);
+}
+
 TEST_CASE("newton_closest_point: goes to a border that is a denormal away", "[closest_point][regression]") {
     // What such a step gains is no number of float, and it was not taken.
     const BilinearPatch<float> flat{};

@@ -187,19 +187,22 @@ private:
     /// way the plane at it does not tell, for the stylus is far from there.
     [[nodiscard, gnu::noinline]] bool covered(const vec3<Scalar>& stylus) const noexcept {
         const Lattice& lattice = field_->lattice();
-        const CellRange cells = field_->cells();
         const double u = lattice.u_of(static_cast<double>(stylus.x), 0),
                      v = lattice.v_of(static_cast<double>(stylus.y), 0);
-        const Cell under{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
-        // The last lines of the grid belong to the cells before them.
-        const bool last_u = u == static_cast<double>(cells.last.i),
-                   last_v = v == static_cast<double>(cells.last.j);
-        const Cell cell{under.i - last_u, under.j - last_v};
-        const auto patch = field_->patch(cell);
-        if (!patch) return false;
-        const auto seen = lattice.locate(stylus, cell);
-        const Scalar above = patch->height(seen.u, seen.v) - seen.z;
-        return state_.side == Side::below ? above < 0 : above > 0;
+        // On a grid line cells on both sides are under it; beside a hole one of them has no patch.
+        const auto last = Cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
+        const Cell first{last.i - (u == static_cast<double>(last.i)),
+                         last.j - (v == static_cast<double>(last.j))};
+        for (Index j = first.j; j <= last.j; ++j) {
+            for (Index i = first.i; i <= last.i; ++i) {
+                const auto patch = field_->patch({i, j});
+                if (!patch) continue;
+                const auto seen = lattice.locate(stylus, {i, j});
+                const Scalar above = patch->height(seen.u, seen.v) - seen.z;
+                if (state_.side == Side::below ? above < 0 : above > 0) return true;
+            }
+        }
+        return false;
     }
 
     /// How far the rounding of a proxy may leave it off the surface: some ulps, in the scalar, of the lengths that the
