@@ -40,8 +40,7 @@ TEMPLATE_TEST_CASE("global_closest_point: is as near as a search finds, on every
 
 TEMPLATE_TEST_CASE("global_closest_point: on cliffs of up to a billion cells it is as near as a search finds",
                    "[global_closest_point][hard]", float, double) {
-    // The gradient's own rounding hides far more there than that of the distance. Half of the corners are level with the
-    // query: the surface then turns as sharply as it can right below it.
+    // The gradient's own rounding hides far more there than that of the distance.
     using T = TestType;
     const Wide promise = 16 * static_cast<Wide>(std::numeric_limits<T>::epsilon());
     Random random{83};

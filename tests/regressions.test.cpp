@@ -92,7 +92,7 @@ TEST_CASE("global_closest_point: on a cliff of a million cells it is the closest
 TEST_CASE(
     "global_closest_point: on a cliff whose valley is all but level it is found before intervals run out",
     "[global_closest_point][regression]") {
-    // Two minima a twentieth of a cell apart, with a height of F between them of 10⁻⁶ of it.
+    // Seen from the corner itself, F has a second and a third derivative of zero along the valley, at (½, ½).
     const BilinearPatch<double> patch{-78000000, 0, 0, 0, {60, 60}};
     const auto found = global_closest_point(patch, CellPoint<double>{0, -0.0001, -19500000});
     CHECK(found.status == GlobalStatus::searched);
