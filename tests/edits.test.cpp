@@ -159,9 +159,9 @@ TEMPLATE_TEST_CASE("edits: vertices and cells around a resting stylus, edited at
             int touching = 0, freed = 0;
             for (int n = 0; n < 4000; ++n) {
                 const auto before = tracker.state();
-                if (!before.touching)
+                if (!before.touching())
                     static_cast<void>(tracker.update({at.x, at.y, T(40)})); // come from above again
-                const Cell c = before.touching ? before.proxy.cell : Cell{8, 7};
+                const Cell c = before.touching() ? before.proxy.cell : Cell{8, 7};
                 const Index i = std::clamp<Index>(c.i + random.whole(-1, 2), 1, 14),
                             j = std::clamp<Index>(c.j + random.whole(-1, 2), 1, 14);
                 ground.at(i, j) = static_cast<T>(
@@ -181,7 +181,7 @@ TEMPLATE_TEST_CASE("edits: vertices and cells around a resting stylus, edited at
                 REQUIRE(length(wide(contact.proxy) - surface.position(now)) <=
                         64 * static_cast<Wide>(epsilon<T>) * 16);
                 REQUIRE(surface.template fall<T>(now, q) <= 64);
-                if (before.touching && contact.side == before.side &&
+                if (before.touching() && contact.side == before.side &&
                     contact.status == ContactStatus::contact) {
                     const Wide was = surface.half_square(wide(before.proxy), q),
                                is = surface.half_square(now, q);

@@ -215,7 +215,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: of Figure 8's two peaks the proxy stays on the
         CHECK(x_of(held.point) - y_of(held.point) > 2);
     }
     for (int k = 0; k <= 16; ++k) witness.update({to.x - 1 + T(k) / 4, to.y + 1 - T(k) / 4, T(2.25)});
-    CHECK_FALSE(witness.tracker.state().touching);
+    CHECK_FALSE(witness.tracker.state().touching());
     CHECK(witness.first_fault == "");
 }
 
@@ -337,7 +337,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: slides off the border, says so once, and is of
         CHECK(left.status == ContactStatus::left_at_border);
         CHECK(left.proxy == middle + T(4.125) * way);
         CHECK(force(left).newtons == vec3<T>{T(0)});
-        CHECK_FALSE(tracker.state().touching);
+        CHECK_FALSE(tracker.state().touching());
         CHECK(tracker.update(middle + T(4.25) * way).status == ContactStatus::off_surface);
         // Back in below the ground: nothing until it has been outside.
         CHECK(tracker.update(middle + T(3) * way).status == ContactStatus::buried);
@@ -380,7 +380,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: across a hole in one update it lets go, and is
     const auto left = tracker.update(beyond);
     CHECK(left.status == ContactStatus::left_at_hole);
     CHECK((left.side == Side::below));
-    CHECK_FALSE(tracker.state().touching);
+    CHECK_FALSE(tracker.state().touching());
     CHECK(tracker.update(beyond).status == ContactStatus::buried);
 }
 
@@ -803,10 +803,10 @@ TEMPLATE_TEST_CASE(
     CHECK(tracker.update({T(120.5), T(5.5), T(1)}).status == ContactStatus::sweep_limit);
     CHECK(tracker.update({T(121.5), T(5.5), T(12)}).status == ContactStatus::sweep_limit);
     // Or back to where the search has come.
-    CHECK(tracker.state().cut_short);
+    CHECK(tracker.state().phase == TrackerPhase::searching);
     const vec3<T> come{tracker.state().swept_to};
     CHECK(tracker.update(come + vec3<T>{T(0), T(0), T(1)}).status == ContactStatus::free);
-    CHECK_FALSE(tracker.state().cut_short);
+    CHECK_FALSE(tracker.state().phase == TrackerPhase::searching);
 }
 
 TEMPLATE_TEST_CASE(
@@ -883,7 +883,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minim
     const auto grid = ground.grid();
     vec3<T> stylus{};
     const auto held = held_by_the_wall<T>(grid, brisk, stylus);
-    REQUIRE(held.state().touching);
+    REQUIRE(held.state().touching());
     REQUIRE(x_of(held.state().proxy) < 12);
     stylus.x += T(0.5);
 
@@ -981,7 +981,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: a ridge holds a stylus in the open while its p
     const auto grid = ground.grid();
     const vec3<T> stylus{T(14), T(20.3), T(3)};
     TrackerState<T> state;
-    state.started = state.touching = true;
+    state.phase = TrackerPhase::contact;
     state.side = Side::above;
     state.swept_to = glm::dvec3{stylus};
     state.proxy = {{11, 3}, T(0.5), T(0.5)};
@@ -1008,7 +1008,7 @@ TEMPLATE_TEST_CASE(
     const auto grid = ground.grid();
     const vec3<T> stylus{T(105.5), T(4.25), T(100)};
     TrackerState<T> state;
-    state.started = state.touching = true;
+    state.phase = TrackerPhase::contact;
     state.side = Side::above;
     state.swept_to = {105.5, 4.25, 100};
     state.proxy = {{5, 4}, T(0.5), T(0.25)};

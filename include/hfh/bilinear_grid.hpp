@@ -32,6 +32,9 @@ enum class GridStatus : unsigned char {
 ///
 /// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does
 /// not throw: a grid made from a bad frame says so in `status()` and is empty, so that nothing is ever felt.
+///
+/// A sample is a hole where its source says so, and where it makes no height: NaN, infinity, and from `height_limit`
+/// metres on in size. So the "no data" value of a raster of float or double need not be declared if it is that large.
 template <Real T, HeightSource Heights>
 class BilinearGrid {
 public:
@@ -46,10 +49,11 @@ public:
             status_ = GridStatus::too_few_samples;
         } else if (!lattice_.valid() || !squares_in_range(spacing_.x * spacing_.y)) {
             status_ = GridStatus::bad_spacing;
-        } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !integers_stay_finite()) {
+        } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !all_integers(is_finite<T>)) {
             status_ = GridStatus::bad_height_scale;
         } else {
             cells_.last = {heights.columns() - 1, heights.rows() - 1};
+            integers_exceed_limit_ = !all_integers(is_height<T>);
         }
     }
 
@@ -59,7 +63,7 @@ public:
 
     [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
 
-    /// The patch over cell c; empty outside the grid and where a corner is missing or has no finite height.
+    /// The patch over cell c; empty outside the grid and where a corner is a hole.
     [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         // One object for every return, so that it is made in place: a copy of an optional goes through memory and costs
         // a patch evaluation a quarter more.
@@ -72,9 +76,9 @@ public:
             return found;
         }
         const T p00 = metres(s00), p10 = metres(s10), p01 = metres(s01), p11 = metres(s11);
-        if constexpr (std::is_floating_point_v<SampleType>) {
-            // A finite sample may be no finite height: −1.8·10³⁰⁸, a common "no data", in a float field.
-            if (!is_finite(p00) || !is_finite(p10) || !is_finite(p01) || !is_finite(p11)) return found;
+        if (may_exceed_limit() &&
+            (!is_height(p00) || !is_height(p10) || !is_height(p01) || !is_height(p11))) {
+            return found;
         }
         found.emplace(BilinearPatch<T>{p00, p10, p01, p11, spacing_});
         return found;
@@ -94,10 +98,7 @@ public:
             high = high < sample ? sample : high;
         }
         const HeightRange<T> range = heights_between(low, high);
-        if constexpr (std::is_floating_point_v<SampleType>) {
-            holes = holes || !is_finite(range.lowest) || !is_finite(range.highest);
-        }
-        return !holes && range.highest < z;
+        return !holes && in_range(range) && range.highest < z;
     }
 
     /// The lowest and the highest height of corners with samples from `low` to `high`. If the scale is negative, heights
@@ -107,17 +108,27 @@ public:
         return {metres(falls ? high : low), metres(falls ? low : high)};
     }
 
+    /// Whether samples that make the heights of such a range are no holes for being too large.
+    [[nodiscard]] constexpr bool in_range(const HeightRange<T>& range) const noexcept {
+        return !may_exceed_limit() || (is_height(range.lowest) && is_height(range.highest));
+    }
+
 private:
+    /// Whether there are samples that make no height. Of integers mostly none does, and no patch need ask.
+    [[nodiscard]] constexpr bool may_exceed_limit() const noexcept {
+        return std::is_floating_point_v<SampleType> || integers_exceed_limit_;
+    }
+
     /// The height of a corner with this sample.
     [[nodiscard]] constexpr T metres(SampleType sample) const noexcept {
         return height_offset_ + height_scale_ * static_cast<T>(sample);
     }
 
-    /// Whether every value of an integer sample is a finite height, so that no patch need ask.
-    [[nodiscard]] constexpr bool integers_stay_finite() const noexcept {
+    /// Whether every value of an integer sample passes `test` as a height.
+    [[nodiscard]] constexpr bool all_integers(bool (*test)(T)) const noexcept {
         using Limits = std::numeric_limits<SampleType>;
         return std::is_floating_point_v<SampleType> ||
-               (is_finite(metres(Limits::lowest())) && is_finite(metres(Limits::max())));
+               (test(metres(Limits::lowest())) && test(metres(Limits::max())));
     }
 
     /// The determinant of Eq. (11) is (dx·dy)² at the least: that must be a number.
@@ -132,6 +143,7 @@ private:
     T height_scale_;
     T height_offset_;
     GridStatus status_ = GridStatus::ok;
+    bool integers_exceed_limit_ = false;
 };
 
 /// Computes in double unless told otherwise.

@@ -66,6 +66,13 @@ struct BilinearPatch {
     }
 };
 
+/// The same patch in double.
+template <Real T>
+[[nodiscard]] constexpr BilinearPatch<double> widened(const BilinearPatch<T>& p) noexcept {
+    return {static_cast<double>(p.p00), static_cast<double>(p.p10), static_cast<double>(p.p01),
+            static_cast<double>(p.p11), glm::dvec2{p.spacing}};
+}
+
 } // namespace hfh
 
 #endif // HFH_BILINEAR_PATCH_HPP

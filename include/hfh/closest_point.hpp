@@ -138,6 +138,70 @@ struct DistanceFunction {
     }
 };
 
+/// F along a straight step (du, dv) from a point, 0 ≤ s ≤ 1: the height is a parabola in s, and so
+///
+///     F(s) − F(0) = slope·s + square·s² + cube·s³ + fourth·s⁴
+///     slope = F_u du + F_v dv,  square = σ_z b + (dx² du² + dy² dv² + c²)/2,  cube = c b,  fourth = b²/2
+///
+/// with the climb c = z_u du + z_v dv and the bend b = A du dv of the height.
+template <Real T>
+struct StepProfile {
+    T slope, square, cube, fourth;
+
+    StepProfile(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& at, T du,
+                T dv) noexcept {
+        const T climb = at.zu * du + at.zv * dv, bend = distance.twist * du * dv;
+        slope = at.fu * du + at.fv * dv;
+        square = at.z * bend + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
+        cube = climb * bend;
+        fourth = bend * bend / 2;
+    }
+
+    /// F(s) − F(0).
+    [[nodiscard]] T change(T s) const noexcept {
+        return s * (slope + s * (square + s * (cube + s * fourth)));
+    }
+    /// F'(s).
+    [[nodiscard]] T rate(T s) const noexcept {
+        return slope + s * (2 * square + s * (3 * cube + 4 * s * fourth));
+    }
+
+    /// The part of the step on which F falls all along: all of it, 1, or up to the first minimum of F, or to where F is
+    /// all but level before that. 0 if F does not fall at once.
+    [[nodiscard, gnu::noinline]] T up_to_first_minimum() const noexcept {
+        if (!(slope < 0)) return T(0);
+        // The rate may rise to a highest value, then falls to a lowest one and rises again, since fourth ≥ 0. So it is
+        // zero at most once before the highest value, and if it is not there, at most once before the end.
+        T high = 1;
+        if (cube < 0 && square > 0) {
+            const T root = 9 * cube * cube - 24 * fourth * square;
+            const T highest = root >= 0 ? 2 * square / (std::sqrt(root) - 3 * cube) : T(1);
+            if (highest < 1 && rate(highest) > 0) high = highest;
+        }
+        T rate_high = rate(high);
+        if (!(rate_high > 0)) return T(1);
+        // Regula falsi in the form of Illinois: the weight of an end that stays twice is halved.
+        T low = 0, rate_low = slope;
+        int stayed = 0;
+        for (int secant = 0; secant < 32; ++secant) {
+            const T middle = low + (high - low) * (rate_low / (rate_low - rate_high));
+            if (!(middle > low && middle < high)) break;
+            const T here = rate(middle);
+            if (here > 0) {
+                high = middle, rate_high = here;
+                if (stayed > 0) rate_low /= 2;
+                stayed = 1;
+            } else {
+                low = middle, rate_low = here;
+                if (64 * here > slope) break;
+                if (stayed < 0) rate_high /= 2;
+                stayed = -1;
+            }
+        }
+        return low;
+    }
+};
+
 namespace detail {
 
 enum class NewtonStep : unsigned char { refused, arrived, inside, to_border, barely_to_border };
@@ -152,6 +216,8 @@ enum class NewtonStep : unsigned char { refused, arrived, inside, to_border, bar
 /// A dv ẑ + z_u A du dv and A du ẑ + z_v A du dv with ẑ the change of height.
 /// to_border, barely_to_border: up to the border that it meets first; barely, if that lowers F by a quarter of what its
 /// slope promises, but is worth its while only if the surface goes on there.
+/// A step on which F would rise again ends at the first minimum of F, inside: F falls all along every step, or it could
+/// lead through a ridge (the tracker's proxy slides, and must not).
 template <Real T>
 [[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
                                                                 const typename DistanceFunction<T>::Value& f,
@@ -163,6 +229,7 @@ template <Real T>
     T du = way_u * scale, dv = way_v * scale;
     vec2<T> to{at.x + du, at.y + dv};
     const bool whole = to.x >= 0 && to.x <= 1 && to.y >= 0 && to.y <= 1;
+    T taken = 1; // of Newton's step
     if (!whole) {
         const T border_u = way_u > 0 ? T(1) : T(0), border_v = way_v > 0 ? T(1) : T(0);
         const T never = std::numeric_limits<T>::max();
@@ -172,30 +239,74 @@ template <Real T>
         to = part_u < part_v ? vec2<T>{border_u, glm::clamp(at.y + part_u * way_v, T(0), T(1))}
                              : vec2<T>{glm::clamp(at.x + part_v * way_u, T(0), T(1)), border_v};
         du = to.x - at.x, dv = to.y - at.y;
+        taken = glm::min(part_u, part_v) * f.determinant;
     }
     const T slope = f.fu * du + f.fv * dv, bent = distance.twist * du * dv;
-    const T climb = f.zu * du + f.zv * dv + bent;
+    const T tangent = f.zu * du + f.zv * dv, climb = tangent + bent;
     const T change =
         slope + f.z * bent + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
     const T worth = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
     const bool enough = 4 * change * f.fuu * f.fvv <= -worth;
     if (!enough && (whole || !(slope < 0 && 4 * change <= slope))) return NewtonStep::refused;
+    if (whole) {
+        const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
+        const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
+        if (2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v) {
+            at = to;
+            return NewtonStep::arrived;
+        }
+    }
+    // Along Newton's step, as far as it is taken, `StepProfile::square` is −taken·slope/2. So this is F' at the end, and
+    // F is convex all along if half of F″ at the start is more than the bend can take from it.
+    const T cube = tangent * bent, rate = slope * (1 - taken) + (3 * cube + 2 * bent * bent);
+    const bool convex = 6 * cube >= taken * slope;
+    if (rate > 0 || !convex) {
+        // Mostly F' is convex, too, and the step a little too long: the chord of F' ends before the minimum.
+        const bool little = cube >= 0 && 0 < rate && rate < -slope;
+        T part = little ? slope / (slope - rate) : T(1);
+        if (!little) [[unlikely]] {
+            const StepProfile<T> profile{distance, f, du, dv};
+            part = profile.up_to_first_minimum();
+            if (part < 1 && !(4 * profile.change(part) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;
+        }
+        if (part < 1) {
+            at = {at.x + part * du, at.y + part * dv};
+            return NewtonStep::inside;
+        }
+    }
     at = to;
-    if (!whole) return enough ? NewtonStep::to_border : NewtonStep::barely_to_border;
-    const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
-    const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
-    return 2 * std::abs(left_u) < distance.noise_u && 2 * std::abs(left_v) < distance.noise_v
-               ? NewtonStep::arrived
-               : NewtonStep::inside;
+    return whole ? NewtonStep::inside : enough ? NewtonStep::to_border : NewtonStep::barely_to_border;
 }
 
-/// A step along the floor of a bent valley: the curve on which the stiffer parameter is at its best for each value
-/// of the other. Along it F is a function of the other parameter alone, with curvature det/F_uu (or det/F_vv).
-/// Leaves `at` alone and returns false if no such step lowers F by more than `gain` (< 0) does.
+/// The floor of a bent valley: the curve on which the stiffer parameter is at its best for each value of the other. Along
+/// it F is a function of the other parameter alone, with curvature det/F_uu (or det/F_vv).
+template <Real T>
+struct FloorPath {
+    const DistanceFunction<T>& distance;
+    bool along_v;
+
+    [[nodiscard]] vec2<T> at(T along) const noexcept {
+        return along_v ? vec2<T>{distance.best_u(along), along} : vec2<T>{along, distance.best_v(along)};
+    }
+    /// Whether F falls on the way from one place to another, as far as its slope at four places tells.
+    [[nodiscard]] bool falls(T from, T to) const noexcept {
+        for (const T part : {T(0.25), T(0.5), T(0.75), T(1)}) {
+            const vec2<T> here = at(from + part * (to - from));
+            const auto f = distance(here.x, here.y);
+            if ((along_v ? f.fv : f.fu) * (to - from) > 0) return false;
+        }
+        return true;
+    }
+};
+
+/// A step to a point of the valley's floor: straight, as far as F falls all along, or down to the floor and along it where
+/// the straight way leads over the valley's side. Leaves `at` alone and returns false if no such step lowers F by more
+/// than `gain` (< 0) does.
 template <Real T>
 [[nodiscard]] bool valley_step(const DistanceFunction<T>& distance,
                                const typename DistanceFunction<T>::Value& f, T gain, vec2<T>& at) noexcept {
     const bool along_v = f.fuu >= f.fvv;
+    const FloorPath<T> valley{distance, along_v};
     const T from = along_v ? at.y : at.x, stiff = along_v ? f.fuu : f.fvv;
     const T slope = along_v ? f.fuu * f.fv - f.fuv * f.fu : f.fvv * f.fu - f.fuv * f.fv;
     const T curvature = glm::max(std::abs(f.determinant), epsilon<T> * stiff * stiff);
@@ -203,14 +314,20 @@ template <Real T>
     T last = std::numeric_limits<T>::max();
     for (int halving = 0; halving < 16; ++halving, step /= 2) {
         const T to = glm::clamp(from + step, T(0), T(1));
-        const vec2<T> floor = along_v ? vec2<T>{distance.best_u(to), to} : vec2<T>{to, distance.best_v(to)};
-        const T change = distance.change(f, floor.x - at.x, floor.y - at.y);
-        if (change < gain) {
+        const vec2<T> floor = valley.at(to);
+        const StepProfile<T> profile{distance, f, floor.x - at.x, floor.y - at.y};
+        const T part = profile.up_to_first_minimum(), straight = profile.change(part),
+                whole = profile.change(T(1));
+        if (straight < gain && 4 * straight <= whole) {
+            at = part < 1 ? at + part * (floor - at) : floor;
+            return true;
+        }
+        if (whole < gain && valley.falls(from, to)) {
             at = floor;
             return true;
         }
-        if (!(change < last)) return false; // the best step of all was longer
-        last = change;
+        if (!(whole < last)) return false; // the best step of all was longer
+        last = whole;
     }
     return false;
 }
@@ -248,7 +365,10 @@ template <Real T>
     const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);
     const T gain = glm::min(gain_u, gain_v);
     const bool to_corner = u != at.x && v != at.y && (u == 0 || u == 1) && (v == 0 || v == 1);
-    if (to_corner && distance.change(f, u - at.x, v - at.y) < gain) return {u, v};
+    if (to_corner) {
+        const StepProfile<T> profile{distance, f, u - at.x, v - at.y};
+        if (profile.up_to_first_minimum() == 1 && profile.change(T(1)) < gain) return {u, v};
+    }
     if (may.inside() && valley_step(distance, f, gain, at)) return at;
     return free_u && (!free_v || gain_u <= gain_v) ? vec2<T>{u, at.y} : vec2<T>{at.x, v};
 }

@@ -20,6 +20,19 @@ enum class DescentStatus : unsigned char {
     work_limit ///< `max_patches` were looked at (or Newton's iterations ran out); still no farther than the start
 };
 
+/// Where a descent that was cut short is on its way, so that it goes on in another call with the same query as if it had
+/// not been cut short: to the bit. Made anew where the query is another one.
+template <Real T>
+struct DescentProgress {
+    /// Smallest |σ|² with which the point was on a border, and visits to a border since then. Along a sharp crease two
+    /// patches can hand the point back and forth for the last bits: after 8 visits without coming nearer it has arrived.
+    T nearest = std::numeric_limits<T>::max();
+    int stalls = 0;
+    int steps = 0;          ///< in this patch
+    bool under_way = false; ///< was cut short,
+    bool look = false;      ///< where the patches around the point are to be compared
+};
+
 template <Real T>
 struct DescentResult {
     DescentStatus status = DescentStatus::minimum;
@@ -100,7 +113,8 @@ look_around(const Field& field, const vec3<T>& query, const SurfacePoint<T>& at,
         if (!patch) return vec2<T>{-1};
         const DistanceFunction<T> beyond{*patch, field.lattice().locate(query, there.cell)};
         const vec2<T> fall = falls(beyond, beyond(there.u, there.v), there.u, there.v);
-        const bool enters = (n.di != 0 && fall.x > 0) || (n.dj != 0 && fall.y > 0);
+        // Along an edge F falls as much on either side, but a steep patch cannot resolve what a level one can.
+        const bool enters = (n.di != 0 && fall.x > 0) || (n.dj != 0 && fall.y > 0) || !around.leads_down;
         if (enters && fall.x + fall.y > steepest) {
             steepest = fall.x + fall.y;
             around.steepest = there;
@@ -172,7 +186,8 @@ template <HeightField Field, Real T>
 template <HeightField Field>
 [[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
-               const SurfacePoint<typename Field::Scalar>& start, int max_patches) noexcept {
+               const SurfacePoint<typename Field::Scalar>& start, int max_patches,
+               DescentProgress<typename Field::Scalar>& progress) noexcept {
     using T = typename Field::Scalar;
     using enum NewtonStep;
     const auto first = field.patch(start.cell);
@@ -182,20 +197,23 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     const vec2<T> spacing = first->spacing;
     DistanceFunction<T> distance{*first, field.lattice().locate(query, at.cell)};
     auto f = distance(at.u, at.v);
-    auto status = DescentStatus::minimum;
+    auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
     int patches = 1;
-    int steps = 0; // in this patch
-    T nearest = std::numeric_limits<T>::max();
-    int stalls = 0; // visits to a border without having come nearer
+    int steps = progress.steps; // in this patch
     Freedom may{distance, f, vec2<T>{at.u, at.v}};
-    bool look = on_border(at);
-    for (;;) {
+    bool look = progress.under_way ? progress.look : on_border(at);
+    const auto cut_short = [&] {
+        progress.steps = steps;
+        progress.under_way = true;
+        progress.look = look;
+        status = DescentStatus::work_limit;
+    };
+    while (max_patches > 0) {
         if (look) {
-            // Along a sharp crease two patches can hand the point back and forth for the last bits.
             const T squared = distance.squared(at.u, at.v, f.z);
-            stalls = squared < nearest ? 0 : stalls + 1;
-            nearest = glm::min(nearest, squared);
-            if (stalls == 8) break;
+            progress.stalls = squared < progress.nearest ? 0 : progress.stalls + 1;
+            progress.nearest = glm::min(progress.nearest, squared);
+            if (progress.stalls >= 8) break;
             const auto around = look_around(field, query, at, distance, falls(distance, f, at.u, at.v));
             patches += around.patches;
             status = around.rim;
@@ -213,7 +231,9 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             break;
         }
         if (steps++ == NewtonOptions{}.max_iterations) {
-            status = DescentStatus::work_limit;
+            steps = 0;
+            look = false;
+            cut_short();
             break;
         }
         vec2<T> to{at.u, at.v};
@@ -232,10 +252,6 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             status = DescentStatus::minimum;
             break;
         }
-        if (border && patches >= max_patches) {
-            status = DescentStatus::work_limit;
-            break;
-        }
         if (border && (step == to_border || step == barely_to_border)) {
             // Most edges lie across the way: on with the neighbour's slope at once, if F falls there and not back here.
             const bool over_u = at.u <= 0 || at.u >= 1;
@@ -251,9 +267,9 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                 const bool holds = T(way) * back <= (over_u ? distance.noise_u : distance.noise_v);
                 const bool falls =
                     T(-way) * (over_u ? g.fu : g.fv) > (over_u ? there.noise_u : there.noise_v);
-                if (holds && falls && squared < nearest) {
-                    nearest = squared;
-                    stalls = 0;
+                if (holds && falls && squared < progress.nearest) {
+                    progress.nearest = squared;
+                    progress.stalls = 0;
                     at = beyond;
                     distance = there;
                     f = g;
@@ -261,13 +277,19 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                     ++patches;
                     steps = 0;
                     look = false;
-                    continue;
+                    if (patches < max_patches) continue;
+                    cut_short();
+                    break;
                 }
             }
         }
         f = distance(at.u, at.v);
         may = {distance, f, vec2<T>{at.u, at.v}};
         look = border && (may.none() || may.beyond());
+        if (patches >= max_patches && (border || step == refused)) {
+            cut_short();
+            break;
+        }
     }
 
     const T zu = distance.slope_u(at.v), zv = distance.slope_v(at.u);
@@ -283,6 +305,18 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     return {status, at, {x, y, z}, {nx, ny, nz}, x * nx + y * ny + z * nz, patches};
 }
 
+/// `descend`, beginning anew or going on.
+///
+/// Not inlined: where GCC 12 sees it, it forgets the rounding in (double)(float)x of a pair of x, and the query would not
+/// be the one that was given.
+template <HeightField Field>
+[[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
+descend_on(const Field& field, const vec3<typename Field::Scalar>& query,
+           const SurfacePoint<typename Field::Scalar>& start, int max_patches,
+           DescentProgress<typename Field::Scalar>& progress) noexcept {
+    return descend_inline(field, query, start, max_patches, progress);
+}
+
 } // namespace detail
 
 /// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates).
@@ -294,15 +328,15 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
 /// another reason. Where a patch is missing the rim holds the point; with the query beyond that rim the point has slid
 /// off.
 ///
-/// Stops once max_patches were looked at, but never without having got on. Does not throw, does not allocate.
-///
-/// Not inlined: where GCC 12 sees it, it forgets the rounding in (double)(float)x of a pair of x, and the query would not
-/// be the one that was given.
+/// Stops once max_patches were looked at, but never without a step; with max_patches < 1 it takes none, and tells of the
+/// start. Looks at max_patches + 5 patches at the most, and at the end once more at those that meet at the point. Does not
+/// throw, does not allocate.
 template <HeightField Field>
-[[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
+[[nodiscard]] DescentResult<typename Field::Scalar>
 descend(const Field& field, const vec3<typename Field::Scalar>& query,
         const SurfacePoint<typename Field::Scalar>& start, int max_patches) noexcept {
-    return detail::descend_inline(field, query, start, max_patches);
+    DescentProgress<typename Field::Scalar> progress;
+    return detail::descend_on(field, query, start, max_patches, progress);
 }
 
 } // namespace hfh

@@ -40,14 +40,19 @@ struct FirstHitOptions {
     /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
-    /// ≥ 0: a was computed to lie on the surface, this many metres off it at the most, and the segment leaves it on
-    /// `side`. Until it has, nothing is a crossing, and if the rounding put a beside a rim that is no hole. If it
-    /// ends on the other side without having left, it hits where it entered its last cell. < 0: no.
+    /// ≥ 0: a was computed to lie on the surface, or off it on `side`, and where it is no more metres off than this, the
+    /// segment leaves it on `side`. Until it has, nothing is a crossing, and if the rounding put a beside a rim that is no
+    /// hole. If it ends on the other side without having left, it hits where it entered its last cell. < 0: no.
     double leaves_within = -1;
-    /// The search stops before the next cell, but not before it has left a, where up to four cells meet: so that
-    /// going on from `t` with `side` gets on, and comes to the same end as one search.
+    /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
+    /// of a cell: so that going on from `along(a, b, t)` with `side` gets on, and comes to the same end as one search.
     Index max_cells = std::numeric_limits<Index>::max();
 };
+
+/// The point of a → b at t, from which a search that was cut short goes on.
+[[nodiscard]] inline glm::dvec3 along(const glm::dvec3& a, const glm::dvec3& b, double t) noexcept {
+    return a + t * (b - a);
+}
 
 namespace detail {
 
@@ -85,13 +90,23 @@ struct Judge {
         covered_to = t;
     }
 
+    /// Whether the point at t is off a by a sixteenth of a cell, and a place of its own however it is rounded. A piece of a
+    /// search that ended nearer could begin again in the cell where this one began.
+    [[nodiscard]] bool has_left(double t) const noexcept {
+        const glm::dvec2 per_metre = field.lattice().cells_per_metre();
+        const double x = t * (b.x - a.x), y = t * (b.y - a.y);
+        const bool by_x = std::abs(x) * per_metre.x >= 0.0625 && a.x + x / 2 != a.x,
+                   by_y = std::abs(y) * per_metre.y >= 0.0625 && a.y + y / 2 != a.y;
+        return by_x || by_y;
+    }
+
     /// The next cell of a walk; false if the search is over. Inlined, for a span that goes through memory costs 4 % of a
     /// cast.
     [[gnu::always_inline]] bool operator()(const CellSpan& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none;
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
         const double searched_to = glm::max(span.t_in, covered_to);
-        if (result.cells >= options.max_cells && 0 < searched_to && searched_to < 1) {
+        if (result.cells >= options.max_cells && searched_to < 1 && has_left(searched_to)) {
             result.status = HitStatus::cell_limit;
             result.t = searched_to;
             return false;
@@ -134,9 +149,10 @@ struct Judge {
 
         if (leaving) {
             const glm::dvec2 step = span.out - span.in;
+            const bool off = t == 0 && (side == Side::above ? f0 : -f0) > options.leaves_within;
             const double rise = f1 + patch.twist() * step.x * step.y; // f'(0) from f₀ = 0
-            f0 = 0;
-            if ((side == Side::above ? rise : -rise) <= options.leaves_within) {
+            if (!off) f0 = 0;
+            if (!off && (side == Side::above ? rise : -rise) <= options.leaves_within) {
                 under = side == Side::above ? f1 < 0 : f1 > 0;
                 result.t = span.t_in;
                 result.point = {span.cell, static_cast<T>(span.in.x), static_cast<T>(span.in.y)};

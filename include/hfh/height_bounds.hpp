@@ -398,10 +398,7 @@ public:
         const auto range = bounds_.range(level, one, other);
         if (range.holed()) return nothing;
         const HeightRange<T> heights = grid_.heights_between(range.lowest, range.highest);
-        if constexpr (std::is_floating_point_v<typename Grid::SampleType>) {
-            if (!is_finite(heights.lowest) || !is_finite(heights.highest)) return nothing; // no such patch
-        }
-        return heights;
+        return Grid::in_range(heights) ? heights : nothing; // one of its patches may be missing
     }
 
 private:

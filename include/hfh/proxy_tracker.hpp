@@ -16,27 +16,43 @@ namespace hfh {
 
 struct TrackerOptions {
     SurfaceKind surface = SurfaceKind::solid;
-    /// Work allowed in one update, in patches (about 10-100 ns each). A sweep or a descent that needs more goes on
-    /// in the next update, from where it came to towards wherever the stylus is then, and the status says so.
+    /// Work allowed in one update, in patches (about 10-100 ns each); at least 1. A sweep or a descent that needs more goes
+    /// on in the next update, from where it came to towards wherever the stylus is then, and the status says so.
     int max_patches = 8192;
-    /// Of these, the work of an update in contact: so many, and two more for each cell that the stylus moved. A ridge
-    /// or a hollow can hold a proxy hundreds of cells away from a stylus that goes on below it; let go, it slides all of
-    /// that way in one update, which takes up to 0.05 ms and ends in a jump of the force. With 8 here it glides there in
-    /// some updates, and the force with it, and an update up to 5 cells on takes some 3 µs at the most. Of updates 5
-    /// cells on and 5 cells below Sugarhouse one in 44 ends on the way, below ground as steep as ten times Moab one in
-    /// 12; half a cell on and half a cell below them none and one in 900.
+    /// Of these, what a proxy may slide over in an update in contact: so many, and two more for each cell that the stylus
+    /// moved. A ridge or a hollow can hold a proxy hundreds of cells away from a stylus that goes on below it; let go, it
+    /// slides all of that way in one update, which takes up to 0.05 ms and ends in a jump of the force. With 8 here it
+    /// glides there in some updates, and the force with it, and an update up to 5 cells on takes some 3 µs at the most. Of
+    /// updates 5 cells on and 5 cells below Sugarhouse one in 44 ends on the way, below ground as steep as ten times Moab
+    /// one in 12; half a cell on and half a cell below them none and one in 900. The search that decides whether the
+    /// stylus is free is no part of the slide: `max_patches` alone limits it.
     int max_slide = 8192;
+};
+
+/// What a tracker is doing.
+enum class TrackerPhase : unsigned char {
+    unseen,    ///< no stylus position has been seen
+    free,      ///< the surface has been searched up to the stylus
+    searching, ///< free, but the search has not got to the stylus
+    contact,   ///< the proxy is at its minimum and holds the stylus
+    sliding, ///< in contact, and the proxy on its way; or at a minimum that does not hold the stylus but for rounding
+    releasing ///< at a minimum that does not hold the stylus: the way to it is searched, and not to its end yet
 };
 
 /// Everything a tracker remembers: a trivially copyable value, to be saved, restored or sent to another thread.
 template <Real T>
 struct TrackerState {
-    glm::dvec3 swept_to{0.0}; ///< the stylus; free: the position up to which the surface has been searched
-    SurfacePoint<T> proxy{};  ///< touching: the proxy
-    Side side = Side::none;   ///< touching: the side that is felt; free: the side the stylus is on
-    bool started = false;     ///< a stylus position has been seen
-    bool touching = false;
-    bool cut_short = false; ///< free: the search has not got to the stylus
+    glm::dvec3 swept_to{
+        0.0}; ///< the stylus; searching and releasing: up to where the surface has been searched
+    SurfacePoint<T> proxy{};       ///< touching: the proxy
+    DescentProgress<T> progress{}; ///< sliding: of the descent to this stylus
+    T left{}; ///< |proxy − stylus|² at the minimum that was left: releasing, and sliding and searching if `left_one`
+    Side side = Side::none;       ///< touching: the side that is felt; free: the side the stylus is on
+    Side side_there = Side::none; ///< releasing: the side on which the search is
+    TrackerPhase phase = TrackerPhase::unseen;
+    bool left_one = false; ///< sliding and searching: beyond a minimum that did not hold this stylus
+
+    [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
 
 /// Follows a stylus over a height field: the haptic update of §4.3 [P].
@@ -45,13 +61,16 @@ struct TrackerState {
 /// first contact. *Touching*: the proxy slides downhill from where it was to the local closest point. While the
 /// stylus is inside (proxy − stylus points out of the surface) the contact holds. When it is not, the segment
 /// proxy → stylus is cast before the proxy is freed, for the stylus can have left one face and be below another
-/// already; a crossing on it is a new contact in the same update (the paper frees at once). A proxy that has far to go
-/// takes more than one update (`TrackerOptions`); on its way it is felt while the stylus has the surface over it.
+/// already; a crossing on it is a new contact in the same update (the paper frees at once). Slide and search may take
+/// more than one update (`TrackerOptions`): the contact holds until they have come to an end, and is felt while the
+/// stylus has the surface over it.
 ///
 /// On a solid without holes, for a stylus that was outside once and stays over the grid: never free while below the
-/// surface. With status `contact` no patch at the proxy has a descent direction. A stylus that starts below the surface,
-/// or comes in below it from the side, feels nothing until it has been outside. Edited heights are felt at the next
-/// update. `update` is noexcept, allocates nothing and looks at no more than about `max_patches` patches.
+/// surface, and once in contact felt in every update in which it is below, whatever the options are. With status
+/// `contact` no patch at the proxy has a descent direction. A stylus that starts below the surface, or comes in below it
+/// from the side, feels nothing until it has been outside. Edited heights are felt at the next update. `update` is
+/// noexcept, allocates nothing and looks at no more than `max_patches` + 16 patches. At rest the proxy arrives: with the
+/// same stylus again and again the updates come to do the same, to the bit.
 ///
 /// Keeps a pointer to the field, which must outlive it.
 template <HeightField Field>
@@ -72,25 +91,23 @@ public:
     /// Not inlined: where GCC 12 sees how a float position was made, it forgets the rounding in (double)(float)x of a
     /// pair of x, and the stylus that is swept would not be the one that was given.
     [[nodiscard, gnu::noinline]] Contact<Scalar> update(const vec3<Scalar>& stylus) noexcept {
-        if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !(std::abs(stylus.z) < highest)) {
+        if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !is_height(stylus.z)) {
             return {.status = ContactStatus::bad_input};
         }
         const glm::dvec3 to{stylus};
-        if (!state_.started) {
-            state_.started = true;
-            state_.swept_to = to;
-        }
-        if (state_.touching) return slide(state_.swept_to, stylus, 0);
-        // What `sweep` comes to nearly always, without a look at anything else.
+        if (state_.phase == Phase::contact) return follow(state_.swept_to, stylus, 0);
+        if (state_.touching()) return resume(stylus);
+        if (state_.phase == Phase::unseen) state_.swept_to = to;
+        // What `search` comes to nearly always, without a look at anything else.
         if (state_.side != Side::below && options_.max_patches >= 4) {
             if (const Index cells = detail::passes_over(*field_, state_.swept_to, to); cells > 0) {
                 state_.side = Side::above;
                 state_.swept_to = to;
-                state_.cut_short = false;
+                state_.phase = Phase::free;
                 return without_contact(ContactStatus::free, stylus, static_cast<int>(cells));
             }
         }
-        return meet(stylus);
+        return search(stylus);
     }
 
     /// Forgets the stylus: the next position is taken as the first one.
@@ -101,126 +118,259 @@ public:
     [[nodiscard]] constexpr const Field& field() const noexcept { return *field_; }
 
 private:
-    /// Beyond this height the fourth power of a distance overflows.
-    static constexpr Scalar highest = std::same_as<Scalar, float> ? Scalar(0x1p31) : Scalar(0x1p255);
+    using Phase = TrackerPhase;
 
     /// Free, with something in the way, or near it. Not inlined, so that an update that meets nothing needs no stack.
-    [[nodiscard, gnu::noinline]] Contact<Scalar> meet(const vec3<Scalar>& stylus) noexcept {
-        // Behind a search that was cut short lies more than the way of one update.
-        const glm::dvec3 before = state_.cut_short ? glm::dvec3{stylus} : state_.swept_to;
-        int patches = 0;
-        const auto status = sweep(state_.swept_to, stylus, {}, options_.max_patches, patches);
-        return state_.touching ? slide(before, stylus, patches) : without_contact(status, stylus, patches);
-    }
-
-    /// Casts from → stylus. Ends touching, at the first crossing, or with the status returned; with `enough` patches, it
-    /// is cut short.
-    [[nodiscard]] ContactStatus sweep(const glm::dvec3& from, const vec3<Scalar>& stylus,
-                                      FirstHitOptions options, int enough, int& patches) noexcept {
-        const glm::dvec3 to{stylus};
-        options.surface = options_.surface;
-        options.side = state_.side;
-        options.max_cells = glm::max(1, enough - patches);
-        FirstHit<Scalar> hit;
-        detail::search(*field_, from, to, options, hit);
-        patches += static_cast<int>(hit.cells);
-        state_.touching = hit.status == HitStatus::hit;
+    [[nodiscard, gnu::noinline]] Contact<Scalar> search(const vec3<Scalar>& stylus) noexcept {
+        const glm::dvec3 from = state_.swept_to, to{stylus};
+        const bool went_on = state_.phase == Phase::searching;
+        const auto hit = cast(from, to, {.side = state_.side}, work_allowed());
+        const int patches = static_cast<int>(hit.cells);
+        if (hit.status == HitStatus::miss) return let_go(hit.side, stylus, patches);
+        if (hit.status == HitStatus::cell_limit) {
+            state_.left_one = went_on && state_.left_one;
+            state_.swept_to = along(from, to, hit.t);
+            return search_on(hit.side, stylus, patches);
+        }
+        const bool left_one = went_on && state_.left_one && still_left(stylus);
+        state_.phase = Phase::contact;
         state_.side = hit.side;
         state_.proxy = hit.point;
-        state_.cut_short = hit.status == HitStatus::cell_limit;
-        if (state_.touching) return ContactStatus::contact;
-
-        state_.swept_to = state_.cut_short ? from + hit.t * (to - from) : to;
-        const bool buried = hit.side == Side::below && options_.surface == SurfaceKind::solid;
-        return state_.cut_short         ? ContactStatus::sweep_limit
-               : hit.side == Side::none ? ContactStatus::off_surface
-               : buried                 ? ContactStatus::buried
-                                        : ContactStatus::free;
+        if (!left_one) return follow(went_on ? to : from, stylus, patches);
+        Work work{.patches = patches, .slide = slide_allowance(to, stylus)};
+        DescentProgress<Scalar> progress;
+        return pursue(stylus, slide(stylus, work, progress), progress, work, true);
     }
 
-    /// Contact: slides the proxy, then keeps the contact, finds a new one beyond it, or frees the stylus. Not inlined
-    /// for the reason that `descend` is not.
-    [[nodiscard, gnu::noinline]] Contact<Scalar> slide(const glm::dvec3& before, const vec3<Scalar>& stylus,
-                                                       int patches) noexcept {
-        const glm::dvec3 to{stylus};
-        const int enough = allowed_to_slide(to - before);
-        state_.swept_to = to;
-        Scalar nearest = std::numeric_limits<Scalar>::max();
-        for (;;) {
-            const auto found =
-                detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, enough - patches));
-            patches += found.patches;
+    /// Free so far: goes on with the search at the next update.
+    [[nodiscard]] Contact<Scalar> search_on(Side side, const vec3<Scalar>& stylus, int patches) noexcept {
+        state_.phase = Phase::searching;
+        state_.side = side;
+        return without_contact(ContactStatus::sweep_limit, stylus, patches);
+    }
+
+    [[nodiscard]] FirstHit<Scalar> cast(const glm::dvec3& from, const glm::dvec3& to, FirstHitOptions options,
+                                        int max_cells) const noexcept {
+        options.surface = options_.surface;
+        options.max_cells = max_cells;
+        FirstHit<Scalar> hit;
+        detail::search(*field_, from, to, options, hit);
+        return hit;
+    }
+
+    /// Contact, and the stylus was at `before`: slides the proxy. Mostly it comes to a minimum that holds the stylus. Not
+    /// inlined for the reason that `descend` is not.
+    [[nodiscard, gnu::noinline]] Contact<Scalar> follow(const glm::dvec3& before, const vec3<Scalar>& stylus,
+                                                        int patches) noexcept {
+        Work work{.patches = patches, .slide = slide_allowance(before, stylus)};
+        state_.swept_to = glm::dvec3{stylus};
+        DescentProgress<Scalar> progress;
+        const auto found =
+            detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, slide_work(work)), progress);
+        if (found.status == DescentStatus::minimum && holds(found)) [[likely]] {
             state_.proxy = found.point;
-            if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole) {
-                return leave(stylus, found.status, patches);
+            return touch(stylus, found, ContactStatus::contact, true, patches + found.patches);
+        }
+        return pursue(stylus, found, progress, work, false);
+    }
+
+    /// What an update has looked at, and over how much the proxy may still slide.
+    struct Work {
+        int patches, slide;
+    };
+
+    /// In contact, with something left to do.
+    [[nodiscard, gnu::noinline]] Contact<Scalar> resume(const vec3<Scalar>& stylus) noexcept {
+        const bool releasing = state_.phase == Phase::releasing;
+        const glm::dvec3 to{stylus};
+        if (!releasing && to != state_.swept_to) {
+            state_.phase = Phase::contact;
+            return follow(state_.swept_to, stylus, 0);
+        }
+        Work work{.patches = 0, .slide = slide_allowance(to, stylus)};
+        DescentProgress<Scalar> progress = state_.progress;
+        bool left_one = state_.left_one;
+        if (releasing) {
+            left_one = still_left(stylus);
+            const auto hit = search_beyond(stylus, work_allowed(), work.patches);
+            if (hit.status == HitStatus::miss) return let_go(hit.side, stylus, work.patches);
+            if (hit.status == HitStatus::cell_limit) {
+                if (!covered(stylus)) return search_on(hit.side, stylus, work.patches);
+                return touch(stylus, descend(*field_, stylus, state_.proxy, 0), ContactStatus::descent_limit,
+                             true, work.patches);
+            }
+            progress = {};
+        }
+        return pursue(stylus, slide(stylus, work, progress), progress, work, left_one);
+    }
+
+    /// Goes on where a slide has ended without a contact that holds: keeps the old one for now, finds one beyond it, or
+    /// frees the stylus. `left_one`: a minimum that does not hold this stylus has been left before.
+    [[nodiscard, gnu::noinline]] Contact<Scalar> pursue(const vec3<Scalar>& stylus,
+                                                        DescentResult<Scalar> found,
+                                                        DescentProgress<Scalar> progress, Work work,
+                                                        bool left_one) noexcept {
+        for (;;) {
+            work.patches += found.patches;
+            work.slide -= found.patches;
+            state_.proxy = found.point;
+            state_.swept_to = glm::dvec3{stylus};
+            const Scalar squared = glm::dot(found.offset, found.offset);
+            // A user's own field may have heights that are none.
+            if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole ||
+                !is_finite(squared)) {
+                return leave(stylus, found.status, work.patches);
             }
             const bool minimum = found.status == DescentStatus::minimum;
-            const bool inside = state_.side == Side::below ? found.outward < 0 : found.outward > 0;
-            if (inside && minimum) return touch(stylus, found, true, true, patches);
-            const Scalar squared = glm::dot(found.offset, found.offset);
-            // Of a second face: as far as the last, it is the same but for rounding; or the work is used up.
-            const bool again = nearest < std::numeric_limits<Scalar>::max();
-            const bool stalls = minimum && again && !(squared < nearest);
-            const bool spent = again && patches >= enough;
-            if (stalls || !minimum || spent) {
-                return touch(stylus, found, inside || (!stalls && covered(stylus)), stalls, patches);
+            if (minimum && holds(found)) {
+                state_.phase = Phase::contact;
+                return touch(stylus, found, ContactStatus::contact, true, work.patches);
             }
-            nearest = squared;
-            // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
-            const auto status =
-                sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
-                      {.leaves_within = blur(stylus, found.offset, found.point.cell)}, enough, patches);
-            if (!state_.touching) return without_contact(status, stylus, patches);
+            // A minimum beyond another one that is no nearer but for rounding: the same one, and there is no better.
+            const bool settled =
+                minimum && left_one && !nearer(squared, state_.left, rounding(found.offset, found.point));
+            if (!minimum || settled) {
+                state_.phase = Phase::sliding;
+                state_.progress = minimum ? DescentProgress<Scalar>{} : progress;
+                state_.left_one = left_one;
+                return touch(stylus, found, minimum ? ContactStatus::contact : ContactStatus::descent_limit,
+                             holds(found) || covered(stylus), work.patches);
+            }
+            // Outside this face: free, unless another one lies between.
+            state_.phase = Phase::releasing;
+            state_.swept_to = glm::dvec3{stylus} + glm::dvec3{found.offset};
+            state_.side_there = state_.side;
+            state_.left = squared;
+            state_.left_one = left_one = true;
+            auto hit = search_beyond(stylus, slide_work(work), work.patches);
+            if (hit.status == HitStatus::cell_limit) {
+                // Free so far. A stylus that has the surface over it is not: it is searched for with all that is allowed,
+                // and in contact until then.
+                if (!covered(stylus)) return search_on(hit.side, stylus, work.patches);
+                if (work.patches < work_allowed())
+                    hit = search_beyond(stylus, work_allowed() - work.patches, work.patches);
+                if (hit.status == HitStatus::cell_limit)
+                    return touch(stylus, found, ContactStatus::descent_limit, true, work.patches);
+            }
+            if (hit.status == HitStatus::miss) return let_go(hit.side, stylus, work.patches);
+            progress = {};
+            found = slide(stylus, work, progress);
         }
     }
 
-    /// How many patches an update in contact may look at, for a stylus that moved by `way`.
-    [[nodiscard]] int allowed_to_slide(const glm::dvec3& way) const noexcept {
-        if (options_.max_slide >= options_.max_patches) return options_.max_patches;
-        const glm::dvec2 per_metre = field_->lattice().cells_per_metre();
-        const double cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
-        return static_cast<int>(glm::min(static_cast<double>(options_.max_slide) + 2 * cells,
-                                         static_cast<double>(options_.max_patches)));
+    [[nodiscard]] DescentResult<Scalar> slide(const vec3<Scalar>& stylus, const Work& work,
+                                              DescentProgress<Scalar>& progress) const noexcept {
+        return detail::descend_on(*field_, stylus, state_.proxy, slide_work(work), progress);
+    }
+    [[nodiscard]] int slide_work(const Work& work) const noexcept {
+        return glm::min(work.slide, work_allowed() - work.patches);
+    }
+    /// Whether the stylus is inside of the face at the proxy.
+    [[nodiscard]] bool holds(const DescentResult<Scalar>& found) const noexcept {
+        return state_.side == Side::below ? found.outward < 0 : found.outward > 0;
     }
 
-    /// Whether the stylus has the surface right above it (felt from below: right below it). While the proxy is on its
-    /// way the plane at it does not tell, for the stylus is far from there.
+    /// Goes on with the search from a minimum that does not hold the stylus. If there is another face, the proxy is on it.
+    [[nodiscard, gnu::noinline]] FirstHit<Scalar> search_beyond(const vec3<Scalar>& stylus, int max_cells,
+                                                                int& patches) noexcept {
+        const glm::dvec3 to{stylus};
+        const auto patch = field_->patch(state_.proxy.cell);
+        const Scalar blur = patch ? rounding(offset_from(stylus, *patch), *patch) : Scalar(0);
+        const auto hit =
+            cast(state_.swept_to, to,
+                 {.side = state_.side_there,
+                  .leaves_within = static_cast<double>(blur) +
+                                   8 * epsilon<double> * std::abs(static_cast<double>(stylus.z))},
+                 glm::max(1, max_cells));
+        patches += static_cast<int>(hit.cells);
+        if (hit.status == HitStatus::hit) {
+            state_.phase = Phase::sliding;
+            state_.side = hit.side;
+            state_.proxy = hit.point;
+        } else if (hit.status == HitStatus::cell_limit) {
+            state_.swept_to = along(state_.swept_to, to, hit.t);
+            state_.side_there = hit.side;
+        }
+        return hit;
+    }
+    /// Whether the proxy is as far from the stylus as when it was left, but for rounding: so this is the same stylus.
+    [[nodiscard]] bool still_left(const vec3<Scalar>& stylus) const noexcept {
+        const auto patch = field_->patch(state_.proxy.cell);
+        if (!patch) return false;
+        const vec3<Scalar> offset = offset_from(stylus, *patch);
+        const Scalar squared = glm::dot(offset, offset), blur = rounding(offset, *patch);
+        return !nearer(squared, state_.left, blur) && !nearer(state_.left, squared, blur);
+    }
+    /// Proxy − stylus, where the proxy is on this patch.
+    [[nodiscard]] vec3<Scalar> offset_from(const vec3<Scalar>& stylus,
+                                           const BilinearPatch<Scalar>& patch) const noexcept {
+        const SurfacePoint<Scalar>& at = state_.proxy;
+        const CellPoint<Scalar> seen = field_->lattice().locate(stylus, at.cell);
+        return {patch.spacing.x * (at.u - seen.u), patch.spacing.y * (at.v - seen.v),
+                DistanceFunction<Scalar>{patch, seen}.gap(at.u, at.v)};
+    }
+
+    [[nodiscard]] int work_allowed() const noexcept { return glm::max(options_.max_patches, 1); }
+    /// How many patches the proxy may slide over in an update in which the stylus moved here from `before`.
+    [[nodiscard]] int slide_allowance(const glm::dvec3& before, const vec3<Scalar>& stylus) const noexcept {
+        if (options_.max_slide >= work_allowed()) return work_allowed();
+        const glm::dvec3 way = glm::dvec3{stylus} - before;
+        const glm::dvec2 per_metre = field_->lattice().cells_per_metre();
+        const double cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
+        return static_cast<int>(glm::min(static_cast<double>(glm::max(options_.max_slide, 1)) + 2 * cells,
+                                         static_cast<double>(work_allowed())));
+    }
+
+    /// Whether the stylus has the surface right above it (felt from below: right below it), by more than rounding. While
+    /// the proxy is on its way the plane at it does not tell, for the stylus is far from there.
     [[nodiscard, gnu::noinline]] bool covered(const vec3<Scalar>& stylus) const noexcept {
         const Lattice& lattice = field_->lattice();
-        const double u = lattice.u_of(static_cast<double>(stylus.x), 0),
-                     v = lattice.v_of(static_cast<double>(stylus.y), 0);
-        // On a grid line cells on both sides are under it; beside a hole one of them has no patch.
+        const glm::dvec3 at{stylus};
+        const double u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
+        // On a grid line cells on both sides are over it; beside a hole one of them has no patch.
         const auto last = Cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
         const Cell first{last.i - (u == static_cast<double>(last.i)),
                          last.j - (v == static_cast<double>(last.j))};
         for (Index j = first.j; j <= last.j; ++j) {
             for (Index i = first.i; i <= last.i; ++i) {
-                const auto patch = field_->patch({i, j});
-                if (!patch) continue;
-                const auto seen = lattice.locate(stylus, {i, j});
-                const Scalar above = patch->height(seen.u, seen.v) - seen.z;
-                if (state_.side == Side::below ? above < 0 : above > 0) return true;
+                const auto found = field_->patch({i, j});
+                if (!found) continue;
+                const auto p = widened(*found);
+                const double above = p.height(lattice.u_of(at.x, i), lattice.v_of(at.y, j)) - at.z;
+                // Of the height here, and of the offset from which the depth comes out in the end.
+                const double rounding =
+                    8 * epsilon<double> * (std::abs(p.highest()) + std::abs(p.lowest()) + std::abs(at.z)) +
+                    8 * static_cast<double>(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
+                if (state_.side == Side::below ? above < -rounding : above > rounding) return true;
             }
         }
         return false;
     }
 
-    /// How far the rounding of a proxy may leave it off the surface: some ulps, in the scalar, of the lengths that the
-    /// offset is made of, and in double of the heights to which it is added.
-    [[nodiscard]] double blur(const vec3<Scalar>& stylus, vec3<Scalar> offset, Cell cell) const noexcept {
-        Scalar size = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z);
-        if (const auto patch = field_->patch(cell)) size += 2 * (patch->highest() - patch->lowest());
-        return static_cast<double>(8 * epsilon<Scalar> * size) +
-               8 * epsilon<double> * std::abs(static_cast<double>(stylus.z));
+    /// How far the rounding of a proxy may leave it off the surface: some ulps of the lengths that the offset is made of.
+    [[nodiscard]] static Scalar rounding(const vec3<Scalar>& offset,
+                                         const BilinearPatch<Scalar>& patch) noexcept {
+        const Scalar size = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z);
+        return 8 * epsilon<Scalar> * (size + 2 * (patch.highest() - patch.lowest()));
+    }
+    [[nodiscard]] Scalar rounding(const vec3<Scalar>& offset, const SurfacePoint<Scalar>& at) const noexcept {
+        const auto patch = field_->patch(at.cell);
+        return patch ? rounding(offset, *patch) : Scalar(0);
+    }
+
+    /// Whether a point whose distance has this square is nearer than another one, by more than the rounding of a distance.
+    [[nodiscard]] static bool nearer(Scalar squared, Scalar other, Scalar rounding) noexcept {
+        return squared < other - rounding * (2 * std::sqrt(other) + rounding);
     }
 
     // Contacts are made in one piece: one filled in bit by bit is first cleared by GCC with rep stos, some 6 ns.
     [[nodiscard, gnu::always_inline]] Contact<Scalar> touch(const vec3<Scalar>& stylus,
-                                                            const DescentResult<Scalar>& found, bool inside,
-                                                            bool minimum, int patches) const noexcept {
+                                                            const DescentResult<Scalar>& found,
+                                                            ContactStatus status, bool felt,
+                                                            int patches) const noexcept {
         const vec3<Scalar> penetration =
-            inside ? found.offset : vec3<Scalar>{0}; // never a pull towards the surface
-        return {.status = minimum ? ContactStatus::contact : ContactStatus::descent_limit,
+            felt ? found.offset : vec3<Scalar>{0}; // never a pull towards the surface
+        return {.status = status,
                 .side = state_.side,
                 .patches = patches,
                 .proxy = stylus + found.offset,
@@ -235,13 +385,26 @@ private:
         return {.status = status, .side = state_.side, .patches = patches, .proxy = stylus};
     }
 
+    /// Free: the surface has been searched up to the stylus, which is on this side.
+    [[nodiscard]] Contact<Scalar> let_go(Side side, const vec3<Scalar>& stylus, int patches) noexcept {
+        state_.phase = Phase::free;
+        state_.side = side;
+        state_.swept_to = glm::dvec3{stylus};
+        const bool buried = side == Side::below && options_.surface == SurfaceKind::solid;
+        return without_contact(side == Side::none ? ContactStatus::off_surface
+                               : buried           ? ContactStatus::buried
+                                                  : ContactStatus::free,
+                               stylus, patches);
+    }
+
     /// The proxy has slid off a rim: the stylus is wherever it is.
     [[nodiscard]] Contact<Scalar> leave(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept {
-        state_.side = Side::none;
-        (void)sweep(glm::dvec3{stylus}, stylus, {}, options_.max_patches, patches);
-        return without_contact(rim == DescentStatus::off_border ? ContactStatus::left_at_border
-                                                                : ContactStatus::left_at_hole,
-                               stylus, patches);
+        const glm::dvec3 here{stylus};
+        const auto hit = cast(here, here, {}, 1);
+        Contact<Scalar> left = let_go(hit.side, stylus, patches + static_cast<int>(hit.cells));
+        left.status =
+            rim == DescentStatus::off_border ? ContactStatus::left_at_border : ContactStatus::left_at_hole;
+        return left;
     }
 
     const Field* field_;

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 namespace hfh {
 
@@ -45,6 +46,21 @@ template <Real T>
 template <Real T>
 [[nodiscard]] constexpr bool is_finite(const vec3<T>& p) noexcept {
     return is_finite(p.x) && is_finite(p.y) && is_finite(p.z);
+}
+
+/// Heights of the surface and of the stylus are smaller than this in size, in metres: 2³¹ (float) or 2²⁵⁵ (double), so
+/// that the fourth power of a distance is a number still. The usual "no data" values of rasters, ±3.4·10³⁸ and
+/// −1.8·10³⁰⁸, are beyond it.
+template <Real T>
+inline constexpr T height_limit = std::same_as<T, float> ? T(0x1p31) : T(0x1p255);
+
+/// Whether z can be a height: a number, and below `height_limit` in size. Looks at the bits, as `is_finite` does.
+template <Real T>
+[[nodiscard]] constexpr bool is_height(T z) noexcept {
+    using Bits = std::conditional_t<std::same_as<T, float>, std::uint32_t, std::uint64_t>;
+    constexpr Bits without_sign = static_cast<Bits>(~Bits{0}) >> 1;
+    // Of numbers without a sign the larger one has the larger bits, and infinity and NaN have larger ones than any.
+    return (std::bit_cast<Bits>(z) & without_sign) < std::bit_cast<Bits>(height_limit<T>);
 }
 
 } // namespace hfh

@@ -412,7 +412,7 @@ private:
             sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
-        if (before.touching) {
+        if (before.touching()) {
             const WideSurfacePoint from = wide(before.proxy);
             if (surface_.patch(from.i, from.j)) {
                 const Wide began = length(surface_.position(from) - q), ended = length(offset);

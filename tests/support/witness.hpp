@@ -42,7 +42,7 @@ public:
         if (!what.empty() && faults++ == 0) {
             first_fault = what + ": update " + std::to_string(updates) + ", stylus " + digits(last_) +
                           " -> " + digits(stylus) + ", " + to_string(contact.status) + ", proxy before " +
-                          (before.touching ? "cell " + std::to_string(before.proxy.cell.i) + ' ' +
+                          (before.touching() ? "cell " + std::to_string(before.proxy.cell.i) + ' ' +
                                                  std::to_string(before.proxy.cell.j) + " at " +
                                                  digits(before.proxy.u) + ' ' + digits(before.proxy.v)
                                            : std::string{"none"}) +
@@ -100,7 +100,7 @@ private:
                                                 static_cast<Wide>(options_.max_patches));
             if (static_cast<Wide>(c.patches) > allowed + 16) return "more work than was allowed";
         }
-        if (c.touching() != tracker.state().touching) return "the state remembers something else";
+        if (c.touching() != tracker.state().touching()) return "the state remembers something else";
         if (c.touching()) {
             const WideSurfacePoint at = wide(c.point);
             if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) return "proxy outside its cell";
