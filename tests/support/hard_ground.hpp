@@ -27,10 +27,6 @@ enum class HardGround : unsigned char {
 };
 inline constexpr int hard_grounds = 12;
 
-/// From this size on, in metres, a number is no height: its squares, in which the tracker computes, would overflow.
-template <Real T>
-inline constexpr T height_limit = sizeof(T) == 4 ? T(0x1p31F) : static_cast<T>(0x1p255);
-
 /// What rasters hold where nothing was measured, and what comes near the limit of heights.
 template <Real T>
 [[nodiscard]] T no_data_value(Random& random) {
@@ -49,15 +45,6 @@ template <Real T>
         std::nextafter(limit, T(0)),
         std::numeric_limits<T>::quiet_NaN()};
     return values[static_cast<std::size_t>(random.whole(0, static_cast<std::int64_t>(values.size()) - 1))];
-}
-
-/// Whether every sample is a height: finite, and below the limit.
-template <Real T>
-[[nodiscard]] bool without_holes(const Terrain<T>& terrain) {
-    for (const T height : terrain.heights) {
-        if (!(std::abs(height) < height_limit<T>)) return false;
-    }
-    return true;
 }
 
 /// low·(high/low)ˢ, s in [0, 1)
