@@ -181,8 +181,7 @@ private:
 
     /// From the same state, with all the work it wants, until it rests.
     [[nodiscard]] Unlimited settle(const State& start, const vec3<T>& stylus) {
-        constexpr int all = 1 << 20;
-        ProxyTracker<Field> twin{field_, {.surface = options_.surface, .max_patches = all, .max_slide = all}};
+        ProxyTracker<Field> twin{field_, {.surface = options_.surface}};
         twin.restore(start);
         Unlimited found;
         for (int n = 0; n < 3; ++n) {
@@ -197,7 +196,7 @@ private:
         if (static_cast<Wide>(c.depth) > (std::isnan(unseen) ? Wide(0) : unseen))
             note("a force where unlimited work gives none");
     }
-    /// From where a search or a slide goes on to the stylus.
+    /// From where a search or a slide goes on to the stylus, as far as that is over the grid.
     [[nodiscard]] double cells_between(const State& state, const vec3<T>& stylus) const {
         const auto& f = terrain_->frame;
         const glm::dvec2 from =
@@ -206,8 +205,9 @@ private:
                                                                static_cast<double>(state.proxy.cell.j) +
                                                                    static_cast<double>(state.proxy.v)}
                            : glm::dvec2{state.swept_to};
-        return std::abs(static_cast<double>(stylus.x) - from.x) / f.spacing.x +
-               std::abs(static_cast<double>(stylus.y) - from.y) / f.spacing.y;
+        const double way = std::abs(static_cast<double>(stylus.x) - from.x) / f.spacing.x +
+                           std::abs(static_cast<double>(stylus.y) - from.y) / f.spacing.y;
+        return std::min(way, static_cast<double>(terrain_->columns + terrain_->rows));
     }
 
     void note(const char* what) {
