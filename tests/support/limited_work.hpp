@@ -8,7 +8,10 @@
 #include <hfh/proxy_tracker.hpp>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 // What a tracker promises whatever `max_patches` and `max_slide` are set to, judged from outside and cheaply enough for
@@ -210,35 +213,33 @@ private:
         return std::min(way, static_cast<double>(terrain_->columns + terrain_->rows));
     }
 
+    /// Keeps the first fault, with the last update as lines of C++ that show it again.
     void note(const char* what) {
         if (!fault_.empty()) return;
-        const char* scalar = sizeof(T) == 4 ? "float" : "double";
-        const auto& f = terrain_->frame;
+        const auto add = [&](auto... parts) { ((fault_ += parts), ...); };
         const auto number = [](auto x) {
             char text[40];
             std::snprintf(text, sizeof text, is_finite(x) ? "%a" : "NAN", static_cast<double>(x));
             return std::string{text};
         };
         const auto whole = [](auto n) { return std::to_string(n); };
-        fault_ = std::string{what} + ":\nstatic const " + scalar + " h[]{";
-        for (const T height : terrain_->heights) fault_ += number(height) + ", ";
-        fault_ += "};\nHeightView view{h, " + whole(terrain_->columns) + ", " + whole(terrain_->rows) +
-                  "};\nBilinearGrid<" + scalar + ", decltype(view)> grid{view, {.origin = {" +
-                  number(f.origin.x) + ", " + number(f.origin.y) + "}, .spacing = {" + number(f.spacing.x) +
-                  ", " + number(f.spacing.y) + "}}};\nProxyTracker tracker{grid, {.surface = SurfaceKind::" +
-                  (options_.surface == SurfaceKind::solid ? "solid" : "sheet") +
-                  ", .max_patches = " + whole(options_.max_patches) +
-                  ", .max_slide = " + whole(options_.max_slide) + "}};\ntracker.restore({.swept_to = {" +
-                  number(before_.swept_to.x) + ", " + number(before_.swept_to.y) + ", " +
-                  number(before_.swept_to.z) + "}, .proxy = {{" + whole(before_.proxy.cell.i) + ", " +
-                  whole(before_.proxy.cell.j) + "}, " + number(before_.proxy.u) + ", " +
-                  number(before_.proxy.v) + "}, .side = Side(" + whole(int(before_.side)) +
-                  "), .started = " + whole(int(before_.started)) +
-                  ", .touching = " + whole(int(before_.touching)) +
-                  ", .cut_short = " + whole(int(before_.cut_short)) + "});\ntracker.update({" +
-                  number(stylus_.x) + ", " + number(stylus_.y) + ", " + number(stylus_.z) + "}); // " +
-                  to_string(last_.status) + ", depth " + digits(last_.depth) + ", " + whole(last_.patches) +
-                  " patches, " + whole(field_.looks()) + " looks";
+        const std::string scalar = sizeof(T) == 4 ? "float" : "double";
+        const auto& f = terrain_->frame;
+        add(what, ":\nstatic const ", scalar, " h[]{");
+        for (const T height : terrain_->heights) add(number(height), ", ");
+        add("};\nHeightView view{h, ", whole(terrain_->columns), ", ", whole(terrain_->rows), "};\n");
+        add("BilinearGrid<", scalar, ", decltype(view)> grid{view, {.origin = {", number(f.origin.x), ", ",
+            number(f.origin.y), "}, .spacing = {", number(f.spacing.x), ", ", number(f.spacing.y), "}}};\n");
+        add("ProxyTracker tracker{grid, {.surface = SurfaceKind::",
+            options_.surface == SurfaceKind::solid ? "solid" : "sheet",
+            ", .max_patches = ", whole(options_.max_patches), ", .max_slide = ", whole(options_.max_slide),
+            "}};\n");
+        add("tracker.restore(std::bit_cast<TrackerState<", scalar, ">>(std::to_array<unsigned char>({");
+        for (const auto byte : std::bit_cast<std::array<unsigned char, sizeof(State)>>(before_))
+            add(whole(int{byte}), ", ");
+        add("})));\n(void)tracker.update({", number(stylus_.x), ", ", number(stylus_.y), ", ",
+            number(stylus_.z), "}); // ", to_string(last_.status), ", depth ", digits(last_.depth), ", ",
+            whole(last_.patches), " patches, ", whole(field_.looks()), " looks");
     }
 
     const Terrain<T>* terrain_;

@@ -19,7 +19,7 @@ public:
 
     explicit Witness(const Terrain<T>& terrain, const TrackerOptions& options = {})
         : surface{terrain}, grid{terrain.grid()}, tracker{grid, options}, options_{options} {
-        for (const T height : terrain.heights) holes_ = holes_ || !std::isfinite(height);
+        holes_ = !without_holes(terrain);
     }
     Witness(const Witness&) = delete;
     Witness& operator=(const Witness&) = delete;
@@ -29,6 +29,7 @@ public:
     ProxyTracker<Grid> tracker;
 
     int updates = 0, contacts = 0, most_patches = 0, faults = 0;
+    int dropped = 0;         ///< of the faults
     std::string first_fault; ///< with the two last positions and the proxy before, to be found again
 
     /// An update of the tracker, judged.
@@ -38,7 +39,11 @@ public:
         ++updates;
         contacts += contact.touching();
         most_patches = std::max(most_patches, contact.patches);
-        const std::string what = judge(stylus, contact);
+        std::string what = judge(stylus, before, contact);
+        if (before.touching && is_dropped(stylus, before.side, contact)) {
+            ++dropped;
+            what = "dropped";
+        }
         if (!what.empty() && faults++ == 0) {
             first_fault = what + ": update " + std::to_string(updates) + ", stylus " + digits(last_) +
                           " -> " + digits(stylus) + ", " + to_string(contact.status) + ", proxy before " +
@@ -59,7 +64,7 @@ public:
     /// Both forget the stylus.
     void reset() {
         tracker.reset();
-        outside_ = false;
+        outside_ = was_touching_ = was_searching_ = false;
         side_ = Side::none;
     }
 
@@ -72,7 +77,20 @@ private:
         return limited && patches >= std::min(options_.max_slide, options_.max_patches);
     }
 
-    [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
+    /// On ground without holes, within its rim: in contact before, the surface over it (felt from below: under it) by more
+    /// than roundings, and no force.
+    [[nodiscard]] bool is_dropped(const vec3<T>& stylus, Side side, const Contact<T>& c) const {
+        if (holes_ || (c.touching() && c.depth > 0)) return false;
+        const Point q = wide(stylus);
+        const auto under = surface.under(q.x, q.y);
+        if (!under || !strictly_over(q)) return false;
+        const Wide over = surface.patch(under->i, under->j)->height(under->u, under->v) - q.z;
+        const Wide inside = side == Side::below ? -over : over;
+        return inside > 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<T>));
+    }
+
+    [[nodiscard]] std::string judge(const vec3<T>& stylus, const TrackerState<T>& before,
+                                    const Contact<T>& c) {
         const Wide eps = static_cast<Wide>(epsilon<T>);
         const Point q = wide(stylus);
         const auto under = surface.under(
@@ -93,12 +111,16 @@ private:
             return "not finite";
         }
         if (c.status == ContactStatus::bad_input) return "refused";
-        if (was_touching_) {
-            const Wide moved = std::max(std::abs(q.x - static_cast<Wide>(last_.x)) / surface.dx(),
-                                        std::abs(q.y - static_cast<Wide>(last_.y)) / surface.dy());
-            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 2 * moved,
-                                                static_cast<Wide>(options_.max_patches));
-            if (static_cast<Wide>(c.patches) > allowed + 16) return "more work than was allowed";
+        if (c.patches > options_.max_patches + 16) return "more work than was allowed";
+        if (before.touching) {
+            // The slide, and the casts that tell whether the stylus is free: from the proxy, each shorter than the last.
+            const Wide moved = cells_apart(q, wide(last_));
+            const auto cell = surface.patch(before.proxy.cell.i, before.proxy.cell.j);
+            const Wide to_cast = cell ? cells_apart(q, surface.position(wide(before.proxy))) : Wide(0);
+            if (static_cast<Wide>(c.patches) >
+                static_cast<Wide>(options_.max_slide) + 2 * moved + 4 * (1 + to_cast) + 16) {
+                return "more work than was allowed in contact";
+            }
         }
         if (c.touching() != tracker.state().touching) return "the state remembers something else";
         if (c.touching()) {
@@ -177,6 +199,10 @@ private:
             if (!z || sign * (proxy.z + t * (to.z - proxy.z) - *z) >= 0) return false;
         }
         return true;
+    }
+    /// In plan, along the longer axis.
+    [[nodiscard]] Wide cells_apart(const Point& a, const Point& b) const {
+        return std::max(std::abs(a.x - b.x) / surface.dx(), std::abs(a.y - b.y) / surface.dy());
     }
     /// Over a patch and not on its rim.
     [[nodiscard]] bool strictly_over(const Point& q) const {
