@@ -98,6 +98,7 @@ public:
 
 private:
     using Work = test::LimitedWork<T>;
+    using Moment = typename Work::Moment;
     using Grid = typename Work::Grid;
     using Tracker = ProxyTracker<Grid>;
 
@@ -123,9 +124,9 @@ private:
         grid_ = terrain_.grid();
     }
     void look_at_heights() {
-        T low = test::height_limit<T>, high = -low;
+        T low = test::no_height_from<T>, high = -low;
         for (const T height : terrain_.heights) {
-            if (std::abs(height) < test::height_limit<T>) {
+            if (std::abs(height) < test::no_height_from<T>) {
                 low = std::min(low, height);
                 high = std::max(high, height);
             } else {
@@ -250,19 +251,19 @@ private:
         case 16:
             if (b.byte() % 4 == 0) {
                 events_.push_back({Event<T>::reset});
-                tracker().reset();
+                work_->reset();
                 memory_ = {};
                 break;
             }
             return;
         case 17:
             events_.push_back({Event<T>::save});
-            saved_ = tracker().state();
+            saved_ = work_->now();
             saved_memory_ = memory_;
             return;
         case 18:
             events_.push_back({Event<T>::restore});
-            tracker().restore(saved_);
+            work_->go_back_to(saved_);
             memory_ = saved_memory_;
             break;
         case 19: stroke(); return;
@@ -309,7 +310,7 @@ private:
         (where == 0 ? at.x : where == 1 ? at.y : at.z) = value;
         events_.push_back({Event<T>::update, at});
         const auto before = bits(tracker().state());
-        const Contact<T> c = tracker().update(at);
+        const Contact<T> c = work_->update(at);
         if (c.status != ContactStatus::bad_input) fail("bad input was taken", c);
         if (bits(tracker().state()) != before) fail("bad input changed the state", c);
         if (c.touching() || c.depth != 0 || c.penetration != vec3<T>{T(0)} || !finite(c))
@@ -342,12 +343,12 @@ private:
 
     Contact<T> update(const vec3<T>& stylus) {
         events_.push_back({Event<T>::update, stylus});
-        const TrackerState<T> before = tracker().state();
+        const Moment before = work_->now();
         const Contact<T> c = last_ = work_->update(stylus);
         tell_fault();
         // In long double it takes a hundred times as long as the update itself. Where the stylus was is in any case kept.
         if (tame_ && (work_->updates % 4 == 0 || c.status != was_)) {
-            judge(stylus, before, c);
+            judge(stylus, before.contact, c);
         } else {
             remember(stylus, c);
         }
@@ -359,9 +360,9 @@ private:
         return c;
     }
 
-    void judge_twin(const vec3<T>& stylus, const TrackerState<T>& before, const Contact<T>& c) {
+    void judge_twin(const vec3<T>& stylus, const Moment& before, const Contact<T>& c) {
         Tracker twin{grid_, options_};
-        twin.restore(before);
+        twin.restore(before.state);
         const Contact<T> same = twin.update(stylus);
         if (same.status != c.status || same.side != c.side || same.patches != c.patches ||
             same.proxy != c.proxy || same.normal != c.normal || same.penetration != c.penetration) {
@@ -400,7 +401,7 @@ private:
         return was;
     }
 
-    void judge(const vec3<T>& stylus, const TrackerState<T>& before, const Contact<T>& c) {
+    void judge(const vec3<T>& stylus, const Contact<T>& before, const Contact<T>& c) {
         const bool solid = options_.surface == SurfaceKind::solid;
         const TrackerOptions ample;
         const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
@@ -456,7 +457,7 @@ private:
         }
     }
 
-    void judge_contact(const Point& q, const TrackerState<T>& before, const Contact<T>& c, bool solid) {
+    void judge_contact(const Point& q, const Contact<T>& before, const Contact<T>& c, bool solid) {
         const WideSurfacePoint at = wide(c.point);
         if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) fail("proxy outside its cell", c);
         if (!surface_.patch(at.i, at.j)) fail("proxy on no patch", c);
@@ -496,8 +497,8 @@ private:
             sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
-        if (before.touching) {
-            const WideSurfacePoint from = wide(before.proxy);
+        if (before.touching()) {
+            const WideSurfacePoint from = wide(before.point);
             if (surface_.patch(from.i, from.j)) {
                 const Wide began = length(surface_.position(from) - q), ended = length(offset);
                 const Wide rounding = (4 + c.patches) * (4 * eps<T> * began + 4 * blur);
@@ -622,10 +623,10 @@ private:
     Grid grid_ = terrain_.grid();
     TrackerOptions options_;
     std::optional<Work> work_;
-    [[nodiscard]] auto& tracker() { return work_->tracker(); }
+    [[nodiscard]] const auto& tracker() const { return work_->tracker(); }
     ForceEvaluator<T> force_;
     Memory memory_, saved_memory_;
-    TrackerState<T> saved_{};
+    Moment saved_{};
     std::vector<Event<T>> events_;
     vec3<T> stylus_{T(0)};
     double stride_ = 1, step_ = 1, relief_ = 1;

@@ -30,7 +30,7 @@ inline constexpr int hard_grounds = 12;
 /// What rasters hold where nothing was measured, and what comes near the limit of heights.
 template <Real T>
 [[nodiscard]] T no_data_value(Random& random) {
-    constexpr T top = std::numeric_limits<T>::max(), limit = height_limit<T>;
+    constexpr T top = std::numeric_limits<T>::max(), limit = no_height_from<T>;
     const std::array<T, 12> values{
         top,
         -top,

@@ -43,10 +43,11 @@ public:
 
     /// An update of the tracker, judged. What breaks a promise is in `fault()` from then on.
     Contact<T> update(const vec3<T>& stylus) {
-        before_ = tracker_.state();
+        before_ = now_;
         stylus_ = stylus;
         field_.forget_looks();
         last_ = tracker_.update(stylus);
+        if (last_.status != ContactStatus::bad_input) now_ = {tracker_.state(), last_};
         ++updates;
         contacts += last_.touching();
         if (const char* what = judge()) note(what);
@@ -56,9 +57,8 @@ public:
     /// Rests at `stylus` until the proxy has arrived, and three updates more. Returns the last one.
     Contact<T> rest(const vec3<T>& stylus) {
         ++rests;
-        const State start = tracker_.state();
-        const Unlimited unlimited = settle(start, stylus);
-        const double cells = cells_between(start, stylus) + unlimited.patches,
+        const Unlimited unlimited = settle(stylus);
+        const double cells = cells_to(stylus) + unlimited.patches,
                      enough = 64 + 4 * cells / std::min(options_.max_patches, options_.max_slide);
         Contact<T> c = update(stylus);
         for (double n = 1; is_on_its_way(c) && n <= enough; ++n) {
@@ -89,7 +89,22 @@ public:
 
     /// To be told when a sample was edited.
     void edited() { holes_ = !without_holes(*terrain_); }
-    [[nodiscard]] ProxyTracker<Field>& tracker() noexcept { return tracker_; }
+
+    /// A moment to come back to: the tracker's state, and the contact with which it came there.
+    struct Moment {
+        TrackerState<T> state{};
+        Contact<T> contact{};
+    };
+    [[nodiscard]] const Moment& now() const noexcept { return now_; }
+    void go_back_to(const Moment& moment) noexcept {
+        now_ = moment;
+        tracker_.restore(moment.state);
+    }
+    void reset() noexcept {
+        now_ = {};
+        tracker_.reset();
+    }
+    [[nodiscard]] const ProxyTracker<Field>& tracker() const noexcept { return tracker_; }
 
     /// The surface over the stylus, in metres above it; NaN outside the grid and over a hole.
     [[nodiscard]] Wide surface_above(const vec3<T>& stylus) const {
@@ -127,7 +142,6 @@ public:
     }
 
 private:
-    using State = TrackerState<T>;
     static constexpr Wide nothing = std::numeric_limits<Wide>::quiet_NaN();
     static constexpr int most_at_rest = 64; // patches: some casts from the proxy and looks around it
 
@@ -163,7 +177,7 @@ private:
     [[nodiscard]] WidePatch patch(Index i, Index j) const {
         const auto sample = [&](Index m, Index n) {
             const T height = terrain_->at(m, n);
-            return std::abs(height) < height_limit<T> ? static_cast<Wide>(height) : nothing;
+            return std::abs(height) < no_height_from<T> ? static_cast<Wide>(height) : nothing;
         };
         return {sample(i, j), sample(i + 1, j), sample(i, j + 1), sample(i + 1, j + 1), dx(), dy()};
     }
@@ -175,17 +189,18 @@ private:
         if (c.patches > options_.max_patches + 16) return "more work than was allowed";
         if (field_.looks() > 4 * (options_.max_patches + 16L)) return "more looks than were allowed";
         const bool felt = c.touching() && c.depth > 0;
-        if (before_.touching && !felt && !holes_ && c.status != ContactStatus::bad_input) {
-            const Wide over = surface_above(stylus_), inside = before_.side == Side::below ? -over : over;
+        if (before_.contact.touching() && !felt && !holes_ && c.status != ContactStatus::bad_input) {
+            const Wide over = surface_above(stylus_),
+                       inside = before_.contact.side == Side::below ? -over : over;
             if (inside > 0 && inside > roundings(stylus_)) return "dropped";
         }
         return nullptr;
     }
 
     /// From the same state, with all the work it wants, until it rests.
-    [[nodiscard]] Unlimited settle(const State& start, const vec3<T>& stylus) {
+    [[nodiscard]] Unlimited settle(const vec3<T>& stylus) {
         ProxyTracker<Field> twin{field_, {.surface = options_.surface}};
-        twin.restore(start);
+        twin.restore(now_.state);
         Unlimited found;
         for (int n = 0; n < 3; ++n) {
             found.contact = twin.update(stylus);
@@ -199,18 +214,12 @@ private:
         if (static_cast<Wide>(c.depth) > (std::isnan(unseen) ? Wide(0) : unseen))
             note("a force where unlimited work gives none");
     }
-    /// From where a search or a slide goes on to the stylus, as far as that is over the grid.
-    [[nodiscard]] double cells_between(const State& state, const vec3<T>& stylus) const {
-        const auto& f = terrain_->frame;
-        const glm::dvec2 from =
-            state.touching ? f.origin + f.spacing * glm::dvec2{static_cast<double>(state.proxy.cell.i) +
-                                                                   static_cast<double>(state.proxy.u),
-                                                               static_cast<double>(state.proxy.cell.j) +
-                                                                   static_cast<double>(state.proxy.v)}
-                           : glm::dvec2{state.swept_to};
-        const double way = std::abs(static_cast<double>(stylus.x) - from.x) / f.spacing.x +
-                           std::abs(static_cast<double>(stylus.y) - from.y) / f.spacing.y;
-        return std::min(way, static_cast<double>(terrain_->columns + terrain_->rows));
+    /// From the proxy, in plan, as far as that is over the grid.
+    [[nodiscard]] double cells_to(const vec3<T>& stylus) const {
+        const glm::dvec3 way = glm::dvec3{stylus} - glm::dvec3{now_.contact.proxy};
+        const double cells =
+            std::abs(way.x) / terrain_->frame.spacing.x + std::abs(way.y) / terrain_->frame.spacing.y;
+        return std::min(cells, static_cast<double>(terrain_->columns + terrain_->rows));
     }
 
     /// Keeps the first fault, with the last update as lines of C++ that show it again.
@@ -235,7 +244,7 @@ private:
             ", .max_patches = ", whole(options_.max_patches), ", .max_slide = ", whole(options_.max_slide),
             "}};\n");
         add("tracker.restore(std::bit_cast<TrackerState<", scalar, ">>(std::to_array<unsigned char>({");
-        for (const auto byte : std::bit_cast<std::array<unsigned char, sizeof(State)>>(before_))
+        for (const auto byte : std::bit_cast<std::array<unsigned char, sizeof before_.state>>(before_.state))
             add(whole(int{byte}), ", ");
         add("})));\n(void)tracker.update({", number(stylus_.x), ", ", number(stylus_.y), ", ",
             number(stylus_.z), "}); // ", to_string(last_.status), ", depth ", digits(last_.depth), ", ",
@@ -249,7 +258,7 @@ private:
     ProxyTracker<Field> tracker_{field_, options_};
     bool holes_;
     // The last update.
-    State before_{};
+    Moment before_{}, now_{};
     vec3<T> stylus_{T(0)};
     Contact<T> last_{};
     std::string fault_;
@@ -275,7 +284,7 @@ void stroke_about(LimitedWork<T>& work, const Terrain<T>& ground, Random& random
     const double highest = sizeof(T) == 4 ? 1e9 : 1e70; // what a tracker takes, with room to spare
     double top = -highest;
     for (const T height : ground.heights) {
-        if (std::abs(height) < height_limit<T>) top = std::max(top, static_cast<double>(height));
+        if (std::abs(height) < no_height_from<T>) top = std::max(top, static_cast<double>(height));
     }
     double x = columns * random.between(0.1, 0.9), y = rows * random.between(0.1, 0.9),
            z = std::min(top + dx * log_between(random, 0.01, 10), highest), surface = z;
@@ -318,9 +327,9 @@ void stroke_about(LimitedWork<T>& work, const Terrain<T>& ground, Random& random
             const bool on_its_way = contact.status == ContactStatus::sweep_limit ||
                                     contact.status == ContactStatus::descent_limit;
             if (random.one_in(on_its_way ? 4 : 25)) {
-                const auto state = work.tracker().state();
+                const auto moment = work.now();
                 work.rest(here());
-                if (!random.one_in(3)) work.tracker().restore(state);
+                if (!random.one_in(3)) work.go_back_to(moment);
             }
         }
     }

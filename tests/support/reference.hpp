@@ -376,7 +376,7 @@ public:
 
 private:
     [[nodiscard]] static bool is_height(Wide metres) {
-        return std::abs(metres) < static_cast<Wide>(height_limit<S>);
+        return std::abs(metres) < static_cast<Wide>(no_height_from<S>);
     }
     [[nodiscard]] Wide sample(Index i, Index j) const {
         return static_cast<Wide>(terrain_->frame.height_offset) +

@@ -34,37 +34,36 @@ public:
 
     /// An update of the tracker, judged.
     Contact<T> update(const vec3<T>& stylus) {
-        const auto before = tracker.state();
         const Contact<T> contact = tracker.update(stylus);
         ++updates;
         contacts += contact.touching();
         most_patches = std::max(most_patches, contact.patches);
-        std::string what = judge(stylus, before, contact);
-        if (before.touching && is_dropped(stylus, before.side, contact)) {
+        std::string what = judge(stylus, contact);
+        if (before_.touching() && is_dropped(stylus, contact)) {
             ++dropped;
             what = "dropped";
         }
         if (!what.empty() && faults++ == 0) {
             first_fault = what + ": update " + std::to_string(updates) + ", stylus " + digits(last_) +
                           " -> " + digits(stylus) + ", " + to_string(contact.status) + ", proxy before " +
-                          (before.touching ? "cell " + std::to_string(before.proxy.cell.i) + ' ' +
-                                                 std::to_string(before.proxy.cell.j) + " at " +
-                                                 digits(before.proxy.u) + ' ' + digits(before.proxy.v)
-                                           : std::string{"none"}) +
+                          (before_.touching() ? "cell " + std::to_string(before_.point.cell.i) + ' ' +
+                                                    std::to_string(before_.point.cell.j) + " at " +
+                                                    digits(before_.point.u) + ' ' + digits(before_.point.v)
+                                              : std::string{"none"}) +
                           ", point now cell " + std::to_string(contact.point.cell.i) + ' ' +
                           std::to_string(contact.point.cell.j) + " at " + digits(contact.point.u) + ' ' +
                           digits(contact.point.v);
         }
         last_ = stylus;
-        was_touching_ = contact.touching();
-        was_searching_ = contact.status == ContactStatus::sweep_limit;
+        before_ = contact;
         return contact;
     }
 
     /// Both forget the stylus.
     void reset() {
         tracker.reset();
-        outside_ = was_touching_ = was_searching_ = false;
+        outside_ = false;
+        before_ = {};
         side_ = Side::none;
     }
 
@@ -79,18 +78,17 @@ private:
 
     /// On ground without holes, within its rim: in contact before, the surface over it (felt from below: under it) by more
     /// than roundings, and no force.
-    [[nodiscard]] bool is_dropped(const vec3<T>& stylus, Side side, const Contact<T>& c) const {
+    [[nodiscard]] bool is_dropped(const vec3<T>& stylus, const Contact<T>& c) const {
         if (holes_ || (c.touching() && c.depth > 0)) return false;
         const Point q = wide(stylus);
         const auto under = surface.under(q.x, q.y);
         if (!under || !strictly_over(q)) return false;
         const Wide over = surface.patch(under->i, under->j)->height(under->u, under->v) - q.z;
-        const Wide inside = side == Side::below ? -over : over;
+        const Wide inside = before_.side == Side::below ? -over : over;
         return inside > 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<T>));
     }
 
-    [[nodiscard]] std::string judge(const vec3<T>& stylus, const TrackerState<T>& before,
-                                    const Contact<T>& c) {
+    [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
         const Wide eps = static_cast<Wide>(epsilon<T>);
         const Point q = wide(stylus);
         const auto under = surface.under(
@@ -112,11 +110,10 @@ private:
         }
         if (c.status == ContactStatus::bad_input) return "refused";
         if (c.patches > options_.max_patches + 16) return "more work than was allowed";
-        if (before.touching) {
+        if (before_.touching()) {
             // The slide, and the casts that tell whether the stylus is free: from the proxy, each shorter than the last.
             const Wide moved = cells_apart(q, wide(last_));
-            const auto cell = surface.patch(before.proxy.cell.i, before.proxy.cell.j);
-            const Wide to_cast = cell ? cells_apart(q, surface.position(wide(before.proxy))) : Wide(0);
+            const Wide to_cast = cells_apart(q, wide(before_.proxy));
             if (static_cast<Wide>(c.patches) >
                 static_cast<Wide>(options_.max_slide) + 2 * moved + 4 * (1 + to_cast) + 16) {
                 return "more work than was allowed in contact";
@@ -216,7 +213,7 @@ private:
     /// way, and so does a search that has not got to the stylus.
     [[nodiscard]] bool all_over_surface(const Point& to) const {
         if (!holes_) return true;
-        if (was_touching_ || was_searching_) return false;
+        if (before_.touching() || before_.status == ContactStatus::sweep_limit) return false;
         const Point from = wide(last_);
         for (int k = 0; k <= 1000; ++k) {
             const Wide t = Wide(k) / 1000;
@@ -228,7 +225,7 @@ private:
 
     TrackerOptions options_;
     bool holes_ = false;
-    bool was_touching_ = false, was_searching_ = false;
+    Contact<T> before_{};
     vec3<T> last_{T(0)};
     bool outside_ = false;   // has been above the surface, and over it ever since
     Side side_ = Side::none; // sheet: the side it was on, over the surface
