@@ -208,10 +208,13 @@ private:
         }
         return found;
     }
+    /// On its way too: but not off the rim of a hole, and for a stylus on the surface but for roundings both are right.
     void check_force(const Contact<T>& c, const Unlimited& unlimited) {
-        const Wide unseen = roundings(stylus_);
         if (unlimited.contact.depth > 0 || is_on_its_way(unlimited.contact)) return;
-        if (static_cast<Wide>(c.depth) > (std::isnan(unseen) ? Wide(0) : unseen))
+        const Wide over = surface_above(stylus_), unseen = std::isnan(over) ? Wide(0) : roundings(stylus_);
+        if (is_on_its_way(c) && (holes_ || std::abs(over) <= unseen)) return;
+        const Wide of_the_proxy = c.depth > 0 ? roundings(c.proxy) : Wide(0);
+        if (static_cast<Wide>(c.depth) > std::max(unseen, of_the_proxy))
             note("a force where unlimited work gives none");
     }
     /// From the proxy, in plan, as far as that is over the grid.
