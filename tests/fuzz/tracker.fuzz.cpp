@@ -38,6 +38,8 @@ struct Open {
         true; ///< float, slopes of hundreds: at a crease or a rim no digits are left to tell the side by
     bool rounded_twist = false;    ///< slopes at u = 1 and v = 1 are off by the rounding of the twist
     bool hair_from_border = false; ///< a step of a denormal length gains nothing and is not taken
+    /// Cliffs of more than 2·10⁵ cells a cell: Newton creeps, and what rounding leaves of such a height can be felt at rest.
+    bool rest_on_cliffs = true;
 };
 constexpr Open open;
 
@@ -86,6 +88,7 @@ public:
         constexpr std::array<T, 4> most{T(3.3), T(0), T(1e-30), T(1e30)};
         force_.max_force = most[bytes.byte() % most.size()];
         work_.emplace(terrain_, options_);
+        work_->judges_rest = rest_is_judged_;
         place(bytes.share(), bytes.share());
         lift(2 * stride_);
     }
@@ -133,7 +136,9 @@ private:
                 holes_ = true;
             }
         }
-        tame_ = static_cast<double>(high) - static_cast<double>(low) <= 4096 * stride_;
+        const double relief = (static_cast<double>(high) - static_cast<double>(low)) / stride_;
+        tame_ = relief <= 4096;
+        rest_is_judged_ = !open.rest_on_cliffs || relief <= 2e5;
     }
     [[nodiscard]] double stride() const {
         return std::min(terrain_.frame.spacing.x, terrain_.frame.spacing.y);
@@ -296,6 +301,7 @@ private:
         terrain_.at(i, j) = height;
         work_->edited();
         look_at_heights();
+        work_->judges_rest = rest_is_judged_;
     }
 
     /// NaN, infinity, numbers of cells that no double counts, heights whose squares are no numbers: nothing is felt, nothing changes.
@@ -376,8 +382,7 @@ private:
         const Wide newtons = length(wide(f.newtons));
         const Wide most = static_cast<Wide>(force_.max_force);
         // The square of a smaller depth is no number of T, and the depth comes out as zero.
-        const Wide unseen =
-            static_cast<Wide>(force_.stiffness) * std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()));
+        const Wide unseen = static_cast<Wide>(force_.stiffness) * test::no_square<T>;
         if (newtons > most * (1 + 4 * eps<T>)+unseen) fail("force beyond its limit", c);
         if (!c.touching() && newtons > 0) fail("a force out of nothing", c);
         if (dot(wide(f.newtons), wide(c.penetration)) < 0) fail("force turned round", c);
@@ -390,7 +395,8 @@ private:
         under_ = surface_.under(
             q.x, q.y, 1e-12L * (1 + std::abs(surface_.column_of(q.x)) + std::abs(surface_.row_of(q.y))));
         // Where a proxy was let go, sides are decided from its place: a few roundings of the scalar.
-        tolerance_ = under_ ? 32 * blur_around(*under_, q) : 0;
+        // And a depth whose square is no number comes out as zero.
+        tolerance_ = under_ ? 32 * blur_around(*under_, q) + test::no_square<T> : 0;
         above_ = under_ ? q.z - surface_.patch(under_->i, under_->j)->height(under_->u, under_->v) : 0;
         const Memory was = memory_;
         // A sweep that was cut short has not got to the stylus yet; on the rim it may or may not be over the terrain.
@@ -405,7 +411,8 @@ private:
         const bool solid = options_.surface == SurfaceKind::solid;
         const TrackerOptions ample;
         const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
-        const bool worked = limited && c.patches >= std::min(options_.max_slide, options_.max_patches);
+        // An update may leave a search to the next one, rather than begin what it cannot end: that is some cells.
+        const bool worked = limited && c.patches + 6 >= std::min(options_.max_slide, options_.max_patches);
         const Point q = wide(stylus);
         const Memory was = remember(stylus, c);
         const auto& under = under_;
@@ -639,7 +646,7 @@ private:
     bool there_ = false;
     bool holes_ = false; // there are, or were
     /// Cliffs are not so high that nothing but what holds in any case can be said of a contact.
-    bool tame_ = true;
+    bool tame_ = true, rest_is_judged_ = true;
 };
 
 /// A field that breaks its contract, with NaN, infinity and numbers without squares for heights: an update returns within

@@ -19,6 +19,10 @@
 
 namespace hfh::test {
 
+/// The square of a smaller length is no number of T, and a depth comes out as zero.
+template <Real T>
+inline const Wide no_square = std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()));
+
 /// Follows a tracker with limited work on ground that may be edited.
 ///
 /// Bounded: `patches` ≤ max_patches + 16, and the looks counted in the field are no more than four times that.
@@ -40,6 +44,8 @@ public:
     LimitedWork& operator=(const LimitedWork&) = delete;
 
     long updates = 0, contacts = 0, rests = 0;
+    bool judges_rest =
+        true; ///< false: `rest` goes through the same updates, and what is true of each alone is judged
 
     /// An update of the tracker, judged. What breaks a promise is in `fault()` from then on.
     Contact<T> update(const vec3<T>& stylus) {
@@ -67,7 +73,7 @@ public:
         }
         if (c.status == ContactStatus::bad_input) return c;
         if (is_on_its_way(c)) {
-            note("does not get there");
+            if (judges_rest) note("does not get there");
             return c;
         }
         check_force(c, unlimited);
@@ -77,8 +83,8 @@ public:
         if (slid_off) c = update(stylus);
         for (int n = 0; n < 3; ++n) {
             const Contact<T> again = update(stylus);
-            if (!same(c, again)) note("changes at rest");
-            if (again.patches > most_at_rest) note("works hard at rest");
+            if (judges_rest && !same(c, again)) note("changes at rest");
+            if (judges_rest && again.patches > most_at_rest) note("works hard at rest");
             c = again;
         }
         return c;
@@ -120,7 +126,7 @@ public:
                static_cast<Wide>(stylus.z);
     }
     /// How far roundings may lift or lower the surface over the stylus: those of its place and of the heights, of the cell
-    /// it is over and of those whose line it is on but for roundings.
+    /// it is over and of those whose line it is on but for roundings; and those that make no depth.
     [[nodiscard]] Wide roundings(const vec3<T>& stylus) const {
         const Place at = place_of(stylus);
         constexpr Wide near = 1e-5L;
@@ -138,7 +144,7 @@ public:
                 most = std::max(most, along_x * (1 + x) + along_y * (1 + y));
             }
         }
-        return 64 * static_cast<Wide>(epsilon<T>) * (top + most);
+        return 64 * static_cast<Wide>(epsilon<T>) * (top + most) + no_square<T>;
     }
 
 private:
@@ -210,7 +216,7 @@ private:
     }
     /// On its way too: but not off the rim of a hole, and for a stylus on the surface but for roundings both are right.
     void check_force(const Contact<T>& c, const Unlimited& unlimited) {
-        if (unlimited.contact.depth > 0 || is_on_its_way(unlimited.contact)) return;
+        if (!judges_rest || unlimited.contact.depth > 0 || is_on_its_way(unlimited.contact)) return;
         const Wide over = surface_above(stylus_), unseen = std::isnan(over) ? Wide(0) : roundings(stylus_);
         if (is_on_its_way(c) && (holes_ || std::abs(over) <= unseen)) return;
         const Wide of_the_proxy = c.depth > 0 ? roundings(c.proxy) : Wide(0);
