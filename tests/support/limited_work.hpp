@@ -315,8 +315,12 @@ void stroke_about(LimitedWork<T>& work, const Terrain<T>& ground, Random& random
             heading += turn * random.between(-1, 1);
             const double far = step * random.unit();
             x += far * std::cos(heading), y += far * std::sin(heading);
-            if (random.one_in(20)) x = std::round(x);
-            if (random.one_in(20)) y = std::round(y);
+            // On a grid line, but for roundings.
+            const auto beside = [&] {
+                return 1 + static_cast<double>(epsilon<T>) * static_cast<double>(random.whole(-3, 3));
+            };
+            if (random.one_in(20)) x = std::round(x) * beside();
+            if (random.one_in(20)) y = std::round(y) * beside();
             x = std::clamp(x, 0.01, columns - 0.01), y = std::clamp(y, 0.01, rows - 0.01);
             if (const Wide above = work.surface_above(here()); !std::isnan(above))
                 surface = static_cast<double>(above) + static_cast<double>(here().z);
