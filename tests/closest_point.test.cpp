@@ -475,3 +475,41 @@ TEMPLATE_TEST_CASE("newton_closest_point: does not take a badly rounded step for
         CHECK(again.v == foot.v);
     }
 }
+
+TEMPLATE_TEST_CASE(
+    "newton_closest_point: on patches level along one parameter a step from their border goes to the foot",
+    "[closest_point][law]", float, double) {
+    // What is level is met by the query's own parameter; along the other the patch is a straight line. From every border
+    // and corner, to queries over borders and corners and beyond them, where differences and slopes are exactly zero.
+    using T = TestType;
+    constexpr T parameters[]{0, T(0.25), 1}, queries[]{-2, 0, T(0.25), T(0.5), 1, 3};
+    for (const T rise : {T(0), T(0.5), T(-2), T(100)}) {
+        for (const bool level_u : {true, false}) {
+            const auto patch = level_u ? BilinearPatch<T>{0, 0, rise, rise, {1, 1}}
+                                       : BilinearPatch<T>{0, rise, 0, rise, {1, 1}};
+            for (const T level : queries) {
+                for (const T along : queries) {
+                    // Right below, where nothing along the slope is to be done; and a metre below.
+                    for (const T deep : {T(0), T(1)}) {
+                        const T z = along * rise - deep;
+                        const CellPoint<T> query =
+                            level_u ? CellPoint<T>{level, along, z} : CellPoint<T>{along, level, z};
+                        const T foot = std::clamp((along + z * rise) / (1 + rise * rise), T(0), T(1)),
+                                over = std::clamp(level, T(0), T(1));
+                        for (const T u : parameters) {
+                            for (const T v : parameters) {
+                                CAPTURE(rise, level_u, level, along, deep, u, v);
+                                const auto end = newton_closest_point(patch, query, {u, v});
+                                REQUIRE(end.status == NewtonStatus::converged);
+                                REQUIRE((level_u ? end.u : end.v) == over);
+                                REQUIRE(std::abs((level_u ? end.v : end.u) - foot) <=
+                                        16 * epsilon<T> * (1 + std::abs(along)));
+                                REQUIRE(end.iterations <= 3);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

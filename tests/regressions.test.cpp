@@ -1,15 +1,18 @@
 #include "catch.hpp"
 #include "support/reference.hpp"
 #include "support/terrains.hpp"
+#include "support/watchdog.hpp"
 #if defined(HFH_TOUCH_TERRAIN)
 #include "touch_terrain_files.hpp"
 #endif
 
 #include <hfh/hfh.hpp>
 
+#include <array>
+#include <cmath>
 #include <limits>
 
-// What fuzzing found (tests/fuzz), each with its digits.
+// What fuzzing and other attacks from outside found, each with its digits.
 
 using namespace hfh;
 using namespace hfh::test;
@@ -182,6 +185,207 @@ TEMPLATE_TEST_CASE("descend: does not creep up to a grid line along which the gr
             grid, along_x ? vec3<TestType>{across, cell, z} : vec3<TestType>{cell, across, z}, start, 64);
         if (end.status != DescentStatus::minimum) FAIL("no minimum in case " << n);
         if ((along_x ? end.offset.y : end.offset.x) != 0) FAIL("not over the query in case " << n);
+    }
+}
+
+// Limited work, and numbers at the end of their range.
+
+TEST_CASE("proxy_tracker: a stylus at rest below level ground is felt with max_slide 8",
+          "[proxy_tracker][limited][regression]") {
+    // The cast from the proxy shared the allowance of the slide and was cut short in every update: no force for ever.
+    auto made = plane<double>(26, 49, 0, {.spacing = {0.037022154992908451, 0.037022154992908451}});
+    made.at(16, 22) = -0.1;
+    made.at(18, 25) = made.at(23, 29) = 1;
+    made.at(22, 30) = -0.074;
+    made.at(23, 30) = -0.4;
+    made.at(22, 31) = -2;
+    const double cell = made.frame.spacing.x;
+    const auto grid = made.grid();
+    for (const int slide : {1, 2, 4, 8, 8192}) {
+        CAPTURE(slide);
+        ProxyTracker tracker{grid, {.max_slide = slide}};
+        (void)tracker.update({0, 0, 0});
+        (void)tracker.update({0.56, 0.8, 0});
+        REQUIRE(tracker.update({0.8, 1, -2}).touching());
+        const vec3<double> rest{0.9, 1.25, -0.05}; // 1.35 cells below level ground
+        int unfelt = 0;
+        Contact<double> contact;
+        for (int k = 0; k < 300; ++k) {
+            contact = tracker.update(rest);
+            unfelt += !(contact.touching() && contact.depth > 0);
+        }
+        CHECK(unfelt == 0);
+        REQUIRE(contact.status == ContactStatus::contact);
+        CHECK(contact.depth / cell > 1);
+        CHECK(contact.depth / cell < 2.5);
+    }
+}
+
+TEMPLATE_TEST_CASE(
+    "proxy_tracker: a stylus dragged below a spur of the Spanish Peaks is felt with max_slide 8",
+    "[proxy_tracker][limited][regression]", float, double) {
+    // 28 samples of examples/data/spanish_peaks.png as if 10 m apart. Moved to 50 m below the ground, the stylus lost its
+    // force for an update, and got it back with a jump.
+    const std::array<short, 28> samples{2693, 2705, 2743, 2715, 2716, 2682, 2715, 2743, 2759, 2699,
+                                        2692, 2712, 2833, 2745, 2682, 2758, 2865, 2795, 2786, 2804,
+                                        2870, 2850, 2821, 2804, 2893, 2865, 2846, 2826};
+    const HeightView view{samples.data(), 4, 7};
+    const BilinearGrid<TestType, HeightView<short>> grid{view, {.spacing = {10, 10}}};
+    for (const int slide : {1, 2, 4, 8, 8192}) {
+        CAPTURE(slide);
+        ProxyTracker tracker{grid, {.max_slide = slide}};
+        (void)tracker.update({TestType(16), TestType(11), TestType(2706)});
+        REQUIRE(tracker.update({TestType(15.75), TestType(28.5), TestType(2657)}).touching());
+        for (int k = 0; k < 100; ++k) {
+            const auto contact = tracker.update({TestType(16.5), TestType(46), TestType(2764.25)});
+            REQUIRE(contact.touching());
+            REQUIRE(contact.depth > 0);
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("proxy_tracker: beside a cliff level ground is level", "[proxy_tracker][regression]",
+                   float, double) {
+    // The cliff's bounds of rounding held the proxy on the grid line, though the level patch leads on. On level ground a
+    // force has no tangential part.
+    using T = TestType;
+    for (const double cliff : {10.0, 30.0, 100.0, 253.0, 1000.0, 1e4, 1e5}) {
+        auto made = plane<T>(5, 3);
+        made.at(2, 1) = static_cast<T>(cliff);
+        const auto grid = made.grid();
+        ProxyTracker tracker{grid};
+        (void)tracker.update({T(3), T(0), T(1)});
+        (void)tracker.update({T(3), T(0), T(-0.01)});
+        T worst = 0;
+        for (int k = 1; k < 900; ++k) {
+            const auto contact = tracker.update({T(3), static_cast<T>(k * 1e-3), T(-0.01)});
+            if (!contact.touching()) FAIL("not touching in step " << k);
+            worst = std::max(worst, std::abs(contact.penetration.y));
+        }
+        CAPTURE(cliff);
+        CHECK(worst <= 16 * epsilon<T>);
+    }
+}
+
+TEMPLATE_TEST_CASE("proxy_tracker: heights whose squares overflow are holes, and update returns",
+                   "[proxy_tracker][limited][regression]", float, double) {
+    // A sample that is a raster's "no data", and that nobody declared. Comparisons with infinity kept a loop going.
+    using T = TestType;
+    const Watchdog watchdog{"update among heights at the end of the range"};
+    const bool single = sizeof(T) == 4;
+    const double limit = single ? 0x1p31 : 0x1p255;
+    const double top = static_cast<double>(std::numeric_limits<T>::max());
+    for (const double size :
+         {top, 0.5 * top, 4 * limit, 2 * limit, limit, single ? 1e20 : 1e300, single ? 32768e30 : 1e77}) {
+        for (const double sign : {-1.0, 1.0}) {
+            CAPTURE(size, sign);
+            const auto bad = static_cast<T>(sign * size);
+            const std::array<std::array<T, 9>, 2> heights{
+                {{2, 0, 2, 0, bad, 2, 2, 0, 1}, {1, 0, 0, 2, bad, 2, 1, 0, 2}}};
+            for (const auto& h : heights) {
+                const HeightView view{h.data(), 3, 3};
+                const BilinearGrid<T, HeightView<T>> grid{view, {}};
+                for (Index j = 0; j < 2; ++j) {
+                    for (Index i = 0; i < 2; ++i) CHECK_FALSE(grid.patch({i, j}));
+                }
+                for (const auto surface : {SurfaceKind::solid, SurfaceKind::sheet}) {
+                    ProxyTracker tracker{grid, {.surface = surface}};
+                    for (const vec3<T>& p : {vec3<T>{T(1.5), T(1.25), 4}, vec3<T>{T(1.75), 2, T(-1.5)},
+                                             vec3<T>{T(0.5), T(0.5), 4}, vec3<T>{0, T(0.75), -2}}) {
+                        const auto contact = tracker.update(p);
+                        CHECK(is_finite(contact.normal));
+                        CHECK(is_finite(contact.penetration));
+                        CHECK(contact.status == ContactStatus::off_surface);
+                    }
+                }
+            }
+        }
+    }
+    // Just below the limit it is a height like any other.
+    const auto high = static_cast<T>(std::nextafter(static_cast<T>(limit), T(0)));
+    const std::array<T, 9> mountain{0, 0, 0, 0, high, 0, 0, 0, 0};
+    const HeightView view{mountain.data(), 3, 3};
+    CHECK(BilinearGrid<T, HeightView<T>>{view, {}}.patch({0, 0}));
+}
+
+TEMPLATE_TEST_CASE("proxy_tracker: at rest on level ground with a fold it does not use up the work",
+                   "[proxy_tracker][limited][regression]", float, double) {
+    // A cast that hit at t = 0, a proxy that moved by one rounding, and that counted as nearer: all of max_patches in
+    // every update.
+    using T = TestType;
+    auto made = plane<T>(20, 20, 0, {.spacing = {0.23822777808514814, 0.23822777808514814}});
+    made.at(19, 18) = T(-0.0038471512962132692);
+    made.at(18, 19) = T(-0.004);
+    const auto grid = made.grid();
+    for (const int slide : {1, 8, 8192}) {
+        CAPTURE(slide);
+        ProxyTracker tracker{grid, {.max_slide = slide}};
+        (void)tracker.update({T(4.522), T(4.29), T(0)});
+        (void)tracker.update({T(4.52), T(4.29), T(-0.01)});
+        const vec3<T> rest{T(4.5218014717102051), T(4.2881002426147461), T(-0.003774052020162344)};
+        Contact<T> contact;
+        int most = 0;
+        for (int k = 0; k < 64; ++k) {
+            contact = tracker.update(rest);
+            most = std::max(most, contact.patches);
+        }
+        CHECK(most < 100);
+        CHECK((contact.status == ContactStatus::contact || contact.status == ContactStatus::free));
+    }
+}
+
+TEMPLATE_TEST_CASE("proxy_tracker: does not pass through a ridge inside one patch",
+                   "[proxy_tracker][regression]", float, double) {
+    // A step was judged by its end alone: between, the distance rises, and every point of the ridge u = v is farther from
+    // the stylus than the proxy was. The force came out sideways reversed.
+    using T = TestType;
+    const auto made = terrain<T>(5, 5, [](Index i, Index j) { return (i + j) % 2 != 0 ? 3 : 0; });
+    const auto grid = made.grid();
+    ProxyTracker tracker{grid};
+    Contact<T> contact;
+    for (const vec3<T>& p :
+         {vec3<T>{T(2.7), T(3.5), T(4)}, vec3<T>{T(2.7), T(3.5), T(0.3)}, vec3<T>{T(3.0), T(3.2), T(0.5)},
+          vec3<T>{T(3.3), T(2.9), T(0.7)}, vec3<T>{T(3.6), T(2.6), T(0.9)}}) {
+        contact = tracker.update(p);
+    }
+    REQUIRE(contact.status == ContactStatus::contact);
+    REQUIRE(contact.point.cell == Cell{3, 2});
+    CHECK(contact.point.u == Approx(0.2766).margin(1e-3)); // where a gradient flow ends
+    CHECK(contact.point.v == Approx(0.8234).margin(1e-3));
+    CHECK(contact.penetration.x < 0);
+}
+
+TEST_CASE("first_hit: in pieces it gets on from within a rounding of a grid line",
+          "[first_hit][limited][regression]") {
+    // Far from the origin t > 0 need not move a position: a + t·(b − a) rounded to a, and the search stayed there.
+    const auto made = plane<double>(
+        4, 6, 0, {.origin = {3288212.13400849, -2859186.2775840047}, .spacing = {0.11283421412367896, 1}});
+    const auto grid = made.grid();
+    const glm::dvec3 start{3288212.2468427042, -2859184.2775840047, 1},
+        end{3288212.15, -2859184.2775840047, -1};
+    for (const Index cells : {1, 2, 3, 4, 100}) {
+        CAPTURE(cells);
+        glm::dvec3 from = start;
+        FirstHitOptions options{.max_cells = cells};
+        FirstHit<double> hit;
+        int pieces = 0;
+        for (; pieces < 100; ++pieces) {
+            hit = first_hit(grid, from, end, options);
+            if (hit.status != HitStatus::cell_limit) break;
+            from += hit.t * (end - from);
+            options.side = hit.side;
+        }
+        CHECK(hit.status == HitStatus::hit);
+        CHECK(pieces < 16);
+    }
+    for (const int patches : {1, 2, 3, 4, 8192}) { // the same through the tracker
+        CAPTURE(patches);
+        ProxyTracker tracker{grid, {.max_patches = patches}};
+        (void)tracker.update(start);
+        Contact<double> contact;
+        for (int k = 0; k < 100; ++k) contact = tracker.update(end);
+        CHECK(contact.status == ContactStatus::contact);
+        CHECK(contact.depth == Approx(1));
     }
 }
 

@@ -2,7 +2,8 @@
 #include "strokes.hpp"
 
 // The slowest update of many, by replay: of each update the shortest time of 25 counts, which leaves out the system
-// and keeps the algorithm. On all terrains of the data directory.
+// and keeps the algorithm. On all terrains of the data directory; and on made-up ground that is level but for roundings,
+// where a stylus that all but rests leaves everything to roundings.
 
 namespace hfh::bench {
 namespace {
@@ -71,6 +72,140 @@ void each_ground(Visitor&& visit) {
     }
 }
 
+// Made-up ground.
+
+enum class Level { folds, terraces, plateaus };
+
+/// 96 × 96 samples in cells of a quarter of a metre, at about `height`: level with folds of so many roundings here and
+/// there; steps of a cell, each eight cells wide; or squares of 8 × 8 cells at one of four heights.
+template <Real T>
+[[nodiscard]] Ground<T> level_ground(const char* name, Level kind, double height, double roundings) {
+    constexpr Index side = 96;
+    constexpr double cell = 0.25;
+    const std::shared_ptr<T[]> samples{new T[side * side]};
+    Random random{7};
+    const double rounding = static_cast<double>(epsilon<T>) * std::max(height, cell);
+    const Index squares = side / 8;
+    std::vector<double> steps(static_cast<std::size_t>(squares * squares));
+    for (double& step : steps) step = cell * static_cast<double>(random.whole(0, 3));
+    for (Index j = 0; j < side; ++j) {
+        for (Index i = 0; i < side; ++i) {
+            double over = 0;
+            switch (kind) {
+            case Level::folds:
+                over = random.one_in(6) ? rounding * roundings * random.between(-1, 1) : 0;
+                break;
+            case Level::terraces: over = cell * static_cast<double>((i + j) / 8); break;
+            case Level::plateaus: over = steps[static_cast<std::size_t>(i / 8 + j / 8 * squares)]; break;
+            }
+            samples[i + j * side] = static_cast<T>(height + over);
+        }
+    }
+    Ground<T> ground{{name, "", side, side, {cell, cell}, height, height + cell * 24, 0},
+                     {samples, samples.get()}};
+    detail::find_steepest(ground);
+    return ground;
+}
+
+/// Of a stylus that all but rests, once it is in contact: 40 updates in each of many places, on grid lines and beside them, on
+/// the surface but for roundings and below it.
+template <Real T, class G>
+[[nodiscard]] Trace<T> all_but_resting(const G& ground, const TrackerOptions& options) {
+    constexpr std::size_t places = 300;
+    enum class Motion { resting, creeping, rocking };
+    const double cell = ground.cell(), rounding = static_cast<double>(epsilon<T>);
+    const auto grid = ground.template grid<T>();
+    ProxyTracker tracker{grid, options};
+    Random random{8};
+    Trace<T> trace;
+    trace.run = 40;
+    trace.options = options;
+    for (std::size_t place = 0; place < places; ++place) {
+        const auto motion = static_cast<Motion>(place % 3);
+        glm::dvec2 at{random.between(4, 90), random.between(4, 90)};
+        for (int axis = 0; axis < 2; ++axis) {
+            if (random.one_in(2)) // on a line, but for roundings
+                at[axis] = std::round(at[axis]) * (1 + rounding * static_cast<double>(random.whole(-4, 4)));
+        }
+        at *= cell;
+        const double surface = ground.surface(at.x, at.y), size = std::max(std::abs(surface), cell);
+        const double deep = random.one_in(4) ? cell * random.between(0, 0.5)
+                                             : rounding * size * static_cast<double>(random.whole(-4, 8));
+        tracker.reset();
+        (void)tracker.update(vec3<T>{glm::dvec3{at, surface + 2 * cell}});
+        (void)tracker.update(vec3<T>{glm::dvec3{at, surface - deep - 0.02 * cell}});
+        trace.before.push_back(tracker.state());
+        for (std::size_t n = 0; n < trace.run; ++n) {
+            if (motion == Motion::creeping)
+                at += rounding * at * glm::dvec2{random.between(-4, 4), random.between(-4, 4)};
+            glm::dvec3 stylus{at, ground.surface(at.x, at.y) - deep};
+            if (motion == Motion::rocking)
+                stylus += (n % 2 == 0 ? 1 : -1) * rounding * glm::dvec3{2.0 * at, 8 * size};
+            trace.stylus.push_back(vec3<T>{stylus});
+        }
+    }
+    return trace;
+}
+
+/// Level ground but for a fold of 4 mm, and a stylus at rest on it: a place where, in float, every update once used all the
+/// work it was allowed (compiled without fused multiply-add). Such places are too rare to be met at random.
+[[nodiscard]] Ground<float> folded_ground() {
+    constexpr Index side = 20;
+    constexpr double cell = 0.23822777808514814;
+    const std::shared_ptr<float[]> samples{new float[side * side]{}};
+    samples[19 + 18 * side] = -0.0038471512962132692f;
+    samples[18 + 19 * side] = -0.004f;
+    Ground<float> ground{{"a fold", "", side, side, {cell, cell}, -0.004, 0, 0}, {samples, samples.get()}};
+    detail::find_steepest(ground);
+    return ground;
+}
+[[nodiscard]] Trace<float> resting_on_the_fold(const Ground<float>& ground, const TrackerOptions& options) {
+    const auto grid = ground.grid<float>();
+    ProxyTracker tracker{grid, options};
+    (void)tracker.update({4.522f, 4.29f, 0.0f});
+    (void)tracker.update({4.52f, 4.29f, -0.01f});
+    Trace<float> trace;
+    trace.run = 40;
+    trace.options = options;
+    trace.before.push_back(tracker.state());
+    trace.stylus.assign(trace.run, {4.5218014717102051f, 4.2881002426147461f, -0.003774052020162344f});
+    return trace;
+}
+
+template <Real T>
+void look_on_level_ground(const TrackerOptions& options, Worst& worst, Findings& found) {
+    const auto look_at = [&](const Ground<T>& ground, const Trace<T>& trace) {
+        const char* name = ground.kind.name;
+        const std::string what =
+            std::string{"all but resting on "} + name + (sizeof(T) == 4 ? ", float" : ", double");
+        worst.endings.add(check_trace(ground, trace, what));
+        const double ns = time_by_replay(ground.template grid<T>(), trace, replays).worst - clock_cost();
+        found.note_update(ns, what);
+        if (ns > worst.ns) worst.ns = ns, worst.where = what;
+        worst.by_ground +=
+            (worst.by_ground.empty() ? "" : ", ") + what.substr(what.find(" on ") + 4) + ' ' + text(ns / 1e3);
+    };
+    const auto look = [&](const char* name, Level kind, double height, double roundings) {
+        const auto ground = level_ground<T>(name, kind, height, roundings);
+        look_at(ground, all_but_resting<T>(ground, options));
+    };
+    for (const double height : {0.0, 512.0}) {
+        look(height > 0 ? "folds of one rounding, high up" : "folds of one rounding", Level::folds, height,
+             1);
+        look(height > 0 ? "folds of ten roundings, high up" : "folds of ten roundings", Level::folds, height,
+             10);
+        look(height > 0 ? "folds of a hundred roundings, high up" : "folds of a hundred roundings",
+             Level::folds, height, 100);
+    }
+    look("folds of a hundredth of a cell", Level::folds, 0, 0.01 / static_cast<double>(epsilon<T>));
+    look("terraces", Level::terraces, 0, 0);
+    look("plateaus", Level::plateaus, 0, 0);
+    if constexpr (std::is_same_v<T, float>) {
+        const auto ground = folded_ground();
+        look_at(ground, resting_on_the_fold(ground, options));
+    }
+}
+
 Row row_of(const std::string& name, double bound, const Worst& worst) {
     return {name,
             "µs",
@@ -93,6 +228,11 @@ Findings worst_updates(const Settings&) {
         look({}, near, far);
         look(brisk, brisk_near, brisk_far);
     });
+    Worst level, brisk_level;
+    look_on_level_ground<float>({}, level, found);
+    look_on_level_ground<double>({}, level, found);
+    look_on_level_ground<float>(brisk, brisk_level, found);
+    look_on_level_ground<double>(brisk, brisk_level, found);
     constexpr const char *up_to_5 = "worst update by replay, all terrains, up to 5 cells an update",
                          *up_to_100 = "worst update by replay, all terrains, up to 100 cells an update";
     const std::string with = ", `max_slide` = 8";
@@ -100,6 +240,10 @@ Findings worst_updates(const Settings&) {
     found.rows.push_back(row_of(up_to_100, 20, far));
     found.rows.push_back(row_of(up_to_5 + with, 3, brisk_near));
     found.rows.push_back(row_of(up_to_100 + with, 20, brisk_far));
+    constexpr const char* all_but_at_rest =
+        "worst update by replay, level ground but for roundings, all but at rest";
+    found.rows.push_back(row_of(all_but_at_rest, 3, level));
+    found.rows.push_back(row_of(all_but_at_rest + with, 3, brisk_level));
     return found;
 }
 

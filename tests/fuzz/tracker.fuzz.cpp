@@ -1,5 +1,7 @@
 #include "bytes.hpp"
 
+#include "support/limited_work.hpp"
+#include "support/raw_field.hpp"
 #include "support/reference.hpp"
 #include "support/terrains.hpp"
 
@@ -10,8 +12,12 @@
 #include <cstddef>
 #include <vector>
 
-// A tracker on a small terrain: moves of every size, positions that are none, edits, holes, reset, save and restore.
-// What it answers is judged from outside, from the samples, in long double.
+// A tracker on a small terrain, with any limit of its work: moves of every size, positions that are none, edits, holes,
+// heights of any size, reset, save and restore. What it answers is judged from outside, from the samples: every update by
+// what holds whatever work is allowed, every fourth by all that is known of a contact, in long double, and by a twin. Of an endless loop libFuzzer's -timeout tells.
+//
+// The number of updates that were judged is printed at the end. (Twins that answer the same question again are not
+// counted.)
 
 namespace hfh::fuzz {
 namespace {
@@ -32,8 +38,30 @@ struct Open {
         true; ///< float, slopes of hundreds: at a crease or a rim no digits are left to tell the side by
     bool rounded_twist = false;    ///< slopes at u = 1 and v = 1 are off by the rounding of the twist
     bool hair_from_border = false; ///< a step of a denormal length gains nothing and is not taken
+    /// Cliffs of more than 2·10⁵ cells a cell: Newton creeps, and what rounding leaves of such a height can be felt at rest.
+    bool rest_on_cliffs = true;
 };
 constexpr Open open;
+
+/// Counts the updates of the whole run.
+struct Tally {
+    long updates = 0;
+    Tally() = default;
+    Tally(const Tally&) = delete;
+    Tally& operator=(const Tally&) = delete;
+    ~Tally() { std::fprintf(stderr, "judged %ld tracker updates\n", updates); }
+};
+Tally tally;
+
+/// A limit of work: every small one, those between, and none.
+int any_limit(Bytes& bytes) {
+    switch (bytes.byte() % 4) {
+    case 0: return bytes.whole(1, 4);
+    case 1: return bytes.whole(1, 40);
+    case 2: return 1 + bytes.raw<std::uint16_t>() % 8192;
+    default: return TrackerOptions{}.max_patches;
+    }
+}
 
 template <Real T>
 constexpr Wide eps = static_cast<Wide>(epsilon<T>);
@@ -41,7 +69,7 @@ constexpr Wide eps = static_cast<Wide>(epsilon<T>);
 /// Something that was done to the tracker or to its terrain.
 template <Real T>
 struct Event {
-    enum Kind { update, edit, reset, save, restore } kind;
+    enum Kind { update, edit, reset, save, restore, stroke } kind;
     vec3<T> stylus{T(0)};
     Index i = 0, j = 0;
     T height{};
@@ -53,15 +81,14 @@ public:
     explicit Session(Bytes& bytes) : bytes_{&bytes} {
         make_terrain();
         options_.surface = bytes.byte() % 4 == 0 ? SurfaceKind::sheet : SurfaceKind::solid;
-        constexpr std::array<int, 8> limits{1, 2, 4, 7, 20, 100, 8192, 8192};
-        options_.max_patches = limits[bytes.byte() % limits.size()];
-        constexpr std::array<int, 4> slides{1, 6, 16, 8192};
-        options_.max_slide = slides[bytes.byte() % slides.size()];
+        options_.max_patches = any_limit(bytes);
+        options_.max_slide = any_limit(bytes);
         constexpr std::array<T, 4> stiffnesses{T(500), T(0), T(1e30), std::numeric_limits<T>::max()};
         force_.stiffness = stiffnesses[bytes.byte() % stiffnesses.size()];
         constexpr std::array<T, 4> most{T(3.3), T(0), T(1e-30), T(1e30)};
         force_.max_force = most[bytes.byte() % most.size()];
-        tracker_ = Tracker{grid_, options_};
+        work_.emplace(terrain_, options_);
+        work_->judges_rest = rest_is_judged_;
         place(bytes.share(), bytes.share());
         lift(2 * stride_);
     }
@@ -69,10 +96,13 @@ public:
     void run() {
         constexpr int most_events = 200;
         for (int n = 0; n < most_events && !bytes_->empty(); ++n) act();
+        tally.updates += work_->updates;
     }
 
 private:
-    using Grid = typename Terrain<T>::Grid;
+    using Work = test::LimitedWork<T>;
+    using Moment = typename Work::Moment;
+    using Grid = typename Work::Grid;
     using Tracker = ProxyTracker<Grid>;
 
     /// What the judge remembers from update to update, saved and restored along with the tracker's state.
@@ -84,6 +114,36 @@ private:
     };
 
     void make_terrain() {
+        if (bytes_->flag()) {
+            const auto kind = static_cast<test::HardGround>(bytes_->byte() % test::hard_grounds);
+            test::Random random{bytes_->raw<std::uint16_t>()};
+            terrain_ = test::hard_ground<T>(kind, random);
+            relief_ = stride() * std::ldexp(1.0, bytes_->whole(-10, 10)); // of edits
+        } else {
+            draw_terrain();
+        }
+        stride_ = stride();
+        look_at_heights();
+        grid_ = terrain_.grid();
+    }
+    void look_at_heights() {
+        T low = test::no_height_from<T>, high = -low;
+        for (const T height : terrain_.heights) {
+            if (std::abs(height) < test::no_height_from<T>) {
+                low = std::min(low, height);
+                high = std::max(high, height);
+            } else {
+                holes_ = true;
+            }
+        }
+        const double relief = (static_cast<double>(high) - static_cast<double>(low)) / stride_;
+        tame_ = relief <= 4096;
+        rest_is_judged_ = !open.rest_on_cliffs || relief <= 2e5;
+    }
+    [[nodiscard]] double stride() const {
+        return std::min(terrain_.frame.spacing.x, terrain_.frame.spacing.y);
+    }
+    void draw_terrain() {
         Bytes& b = *bytes_;
         terrain_.columns = b.whole(2, 12);
         terrain_.rows = b.whole(2, 12);
@@ -95,9 +155,7 @@ private:
                                                     glm::dvec2{5e5, 4.4e6}, glm::dvec2{1e7, -1e7}};
         const std::uint8_t place = b.byte();
         terrain_.frame.origin = place < 192 ? origins[0] : origins[place % origins.size()];
-        stride_ = std::min(terrain_.frame.spacing.x, terrain_.frame.spacing.y);
-
-        const double relief = stride_ * std::ldexp(1.0, b.whole(-10, 10)); // of the whole range of samples
+        const double relief = stride() * std::ldexp(1.0, b.whole(-10, 10)); // of the whole range of samples
         const int pattern = b.byte() % 6;
         std::uint64_t seed = b.byte() + 1u;
         terrain_.heights.resize(static_cast<std::size_t>(terrain_.columns * terrain_.rows));
@@ -125,7 +183,6 @@ private:
             }
         }
         relief_ = relief;
-        grid_ = terrain_.grid();
     }
 
     // Ways to move.
@@ -150,7 +207,7 @@ private:
 
     void act() {
         Bytes& b = *bytes_;
-        switch (b.byte() % 20) {
+        switch (b.byte() % 22) {
         case 0: step_ = std::ldexp(1.0, b.whole(-12, 7)); return;
         case 1:
         case 2:
@@ -189,30 +246,47 @@ private:
         case 15: {
             const Index i = b.whole(0, static_cast<int>(terrain_.columns - 1)),
                         j = b.whole(0, static_cast<int>(terrain_.rows - 1));
-            set(i, j, b.byte() % 4 == 0 ? static_cast<T>(step()) : std::numeric_limits<T>::quiet_NaN());
+            switch (b.byte() % 4) {
+            case 0: set(i, j, static_cast<T>(step())); break;
+            case 1: set(i, j, b.raw<T>()); break; // of any size
+            default: set(i, j, std::numeric_limits<T>::quiet_NaN()); break;
+            }
             break;
         }
         case 16:
             if (b.byte() % 4 == 0) {
                 events_.push_back({Event<T>::reset});
-                tracker_.reset();
+                work_->reset();
                 memory_ = {};
                 break;
             }
             return;
         case 17:
             events_.push_back({Event<T>::save});
-            saved_ = tracker_.state();
+            saved_ = work_->now();
             saved_memory_ = memory_;
             return;
         case 18:
             events_.push_back({Event<T>::restore});
-            tracker_.restore(saved_);
+            work_->go_back_to(saved_);
             memory_ = saved_memory_;
             break;
+        case 19: stroke(); return;
         default: stand_still(); return;
         }
         update(stylus_);
+    }
+
+    /// Many moves at once, judged by what holds whatever work is allowed alone.
+    void stroke() {
+        test::Random random{bytes_->raw<std::uint32_t>()};
+        events_.push_back({Event<T>::stroke});
+        stroke_about(*work_, terrain_, random);
+        tell_fault();
+        memory_ = {};
+    }
+    void tell_fault() {
+        if (!work_->fault().empty()) fail(work_->fault().c_str(), last_);
     }
 
     void edit() {
@@ -224,8 +298,10 @@ private:
     }
     void set(Index i, Index j, T height) {
         events_.push_back({Event<T>::edit, {}, i, j, height});
-        holes_ = holes_ || !is_finite(height);
         terrain_.at(i, j) = height;
+        work_->edited();
+        look_at_heights();
+        work_->judges_rest = rest_is_judged_;
     }
 
     /// NaN, infinity, numbers of cells that no double counts, heights whose squares are no numbers: nothing is felt, nothing changes.
@@ -239,28 +315,23 @@ private:
         vec3<T> at = stylus_;
         (where == 0 ? at.x : where == 1 ? at.y : at.z) = value;
         events_.push_back({Event<T>::update, at});
-        const auto before = bits(tracker_.state());
-        const Contact<T> c = tracker_.update(at);
+        const auto before = bits(tracker().state());
+        const Contact<T> c = work_->update(at);
         if (c.status != ContactStatus::bad_input) fail("bad input was taken", c);
-        if (bits(tracker_.state()) != before) fail("bad input changed the state", c);
+        if (bits(tracker().state()) != before) fail("bad input changed the state", c);
         if (c.touching() || c.depth != 0 || c.penetration != vec3<T>{T(0)} || !finite(c))
             fail("bad input is felt", c);
         if (force_(c).newtons != vec3<T>{T(0)}) fail("bad input pushes", c);
     }
 
-    /// No drift, not one ulp, from when the tracker has come to rest.
+    /// The proxy gets there, and does not drift by one ulp from then on.
     void stand_still() {
-        Contact<T> rests = update(stylus_);
-        if (rests.status == ContactStatus::sweep_limit || rests.status == ContactStatus::descent_limit)
-            return;
-        for (int n = bytes_->byte() % 8; n > 0; --n) {
-            const Contact<T> again = update(stylus_);
-            if (rests.touching() != again.touching()) fail("contact comes and goes at rest", again);
-            if (rests.touching() && (rests.point.cell != again.point.cell || rests.point.u != again.point.u ||
-                                     rests.point.v != again.point.v))
-                fail("the proxy drifts at rest", again);
-            rests = again;
-        }
+        update(stylus_);
+        events_.push_back({Event<T>::update, stylus_});
+        last_ = work_->rest(stylus_);
+        tell_fault();
+        if (const Contact<T> again = update(stylus_); again.touching() != last_.touching())
+            fail("contact comes and goes at rest", again);
     }
 
     // The judge.
@@ -278,21 +349,31 @@ private:
 
     Contact<T> update(const vec3<T>& stylus) {
         events_.push_back({Event<T>::update, stylus});
-        const TrackerState<T> before = tracker_.state();
-        const Contact<T> c = tracker_.update(stylus);
-        judge(stylus, before, c);
+        const Moment before = work_->now();
+        const Contact<T> c = last_ = work_->update(stylus);
+        tell_fault();
+        // In long double it takes a hundred times as long as the update itself. Where the stylus was is in any case kept.
+        if (tame_ && (work_->updates % 4 == 0 || c.status != was_)) {
+            judge(stylus, before.contact, c);
+        } else {
+            remember(stylus, c);
+        }
+        was_ = c.status;
         memory_.last = stylus;
         memory_.touching = c.touching();
         judge_force(c);
+        if (work_->updates % 4 == 1) judge_twin(stylus, before, c);
+        return c;
+    }
 
+    void judge_twin(const vec3<T>& stylus, const Moment& before, const Contact<T>& c) {
         Tracker twin{grid_, options_};
-        twin.restore(before);
+        twin.restore(before.state);
         const Contact<T> same = twin.update(stylus);
         if (same.status != c.status || same.side != c.side || same.patches != c.patches ||
             same.proxy != c.proxy || same.normal != c.normal || same.penetration != c.penetration) {
             fail("restored, it answers otherwise", same);
         }
-        return c;
     }
 
     void judge_force(const Contact<T>& c) {
@@ -301,35 +382,46 @@ private:
         const Wide newtons = length(wide(f.newtons));
         const Wide most = static_cast<Wide>(force_.max_force);
         // The square of a smaller depth is no number of T, and the depth comes out as zero.
-        const Wide unseen =
-            static_cast<Wide>(force_.stiffness) * std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()));
+        const Wide unseen = static_cast<Wide>(force_.stiffness) * test::no_square<T>;
         if (newtons > most * (1 + 4 * eps<T>)+unseen) fail("force beyond its limit", c);
         if (!c.touching() && newtons > 0) fail("a force out of nothing", c);
         if (dot(wide(f.newtons), wide(c.penetration)) < 0) fail("force turned round", c);
     }
 
-    void judge(const vec3<T>& stylus, const TrackerState<T>& before, const Contact<T>& c) {
+    /// What the next updates are judged by: whether the stylus has been outside, and on which side it is. Returns what it
+    /// was before.
+    Memory remember(const vec3<T>& stylus, const Contact<T>& c) {
+        const Point q = wide(stylus);
+        under_ = surface_.under(
+            q.x, q.y, 1e-12L * (1 + std::abs(surface_.column_of(q.x)) + std::abs(surface_.row_of(q.y))));
+        // Where a proxy was let go, sides are decided from its place: a few roundings of the scalar.
+        // And a depth whose square is no number comes out as zero.
+        tolerance_ = under_ ? 32 * blur_around(*under_, q) + test::no_square<T> : 0;
+        above_ = under_ ? q.z - surface_.patch(under_->i, under_->j)->height(under_->u, under_->v) : 0;
+        const Memory was = memory_;
+        // A sweep that was cut short has not got to the stylus yet; on the rim it may or may not be over the terrain.
+        there_ = within_rim(q) && under_ && c.status != ContactStatus::sweep_limit;
+        memory_.outside = there_ && ((was.outside && c.touching()) || above_ > tolerance_ ||
+                                     (was.outside && c.status == ContactStatus::free));
+        memory_.side = there_ ? c.side : Side::none;
+        return was;
+    }
+
+    void judge(const vec3<T>& stylus, const Contact<T>& before, const Contact<T>& c) {
         const bool solid = options_.surface == SurfaceKind::solid;
         const TrackerOptions ample;
         const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
-        const bool worked = limited && c.patches >= std::min(options_.max_slide, options_.max_patches);
+        // An update may leave a search to the next one, rather than begin what it cannot end: that is some cells.
+        const bool worked = limited && c.patches + 6 >= std::min(options_.max_slide, options_.max_patches);
         const Point q = wide(stylus);
-        const auto under = surface_.under(
-            q.x, q.y, 1e-12L * (1 + std::abs(surface_.column_of(q.x)) + std::abs(surface_.row_of(q.y))));
-        // Where a proxy was let go, sides are decided from its place: a few roundings of the scalar.
-        const Wide tolerance = under ? 32 * blur_around(*under, q) : 0;
-        const Wide above = under ? q.z - surface_.patch(under->i, under->j)->height(under->u, under->v) : 0;
-        above_ = above;
-        const Memory was = memory_;
-        // A sweep that was cut short has not got to the stylus yet; on the rim it may or may not be over the terrain.
-        const bool there = within_rim(q) && under && c.status != ContactStatus::sweep_limit;
-        memory_.outside = there && ((was.outside && c.touching()) || above > tolerance ||
-                                    (was.outside && c.status == ContactStatus::free));
-        memory_.side = there ? c.side : Side::none;
+        const Memory was = remember(stylus, c);
+        const auto& under = under_;
+        const Wide tolerance = tolerance_, above = above_;
+        const bool there = there_;
 
         if (!finite(c)) fail("not finite", c);
-        if (c.patches < 0 || c.patches > options_.max_patches + 16) fail("more work than was allowed", c);
-        if (c.touching() != tracker_.state().touching) fail("touching, and then not", c);
+        if (c.patches < 0) fail("less than no work", c);
+        if (c.touching() != tracker().state().touching) fail("touching, and then not", c);
         if (c.touching()) {
             judge_contact(q, before, c, solid);
             if (c.status == ContactStatus::descent_limit) {
@@ -372,7 +464,7 @@ private:
         }
     }
 
-    void judge_contact(const Point& q, const TrackerState<T>& before, const Contact<T>& c, bool solid) {
+    void judge_contact(const Point& q, const Contact<T>& before, const Contact<T>& c, bool solid) {
         const WideSurfacePoint at = wide(c.point);
         if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) fail("proxy outside its cell", c);
         if (!surface_.patch(at.i, at.j)) fail("proxy on no patch", c);
@@ -413,7 +505,7 @@ private:
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
         if (before.touching()) {
-            const WideSurfacePoint from = wide(before.proxy);
+            const WideSurfacePoint from = wide(before.point);
             if (surface_.patch(from.i, from.j)) {
                 const Wide began = length(surface_.position(from) - q), ended = length(offset);
                 const Wide rounding = (4 + c.patches) * (4 * eps<T> * began + 4 * blur);
@@ -521,6 +613,7 @@ private:
             case Event<T>::reset: add("\nreset"); break;
             case Event<T>::save: add("\nsave"); break;
             case Event<T>::restore: add("\nrestore"); break;
+            case Event<T>::stroke: add("\nstroke"); break;
             }
         }
         add("\n", to_string(c.status), "proxy", test::digits(c.proxy), "in cell",
@@ -536,26 +629,72 @@ private:
     Surface<T> surface_{terrain_};
     Grid grid_ = terrain_.grid();
     TrackerOptions options_;
-    Tracker tracker_{grid_};
+    std::optional<Work> work_;
+    [[nodiscard]] const auto& tracker() const { return work_->tracker(); }
     ForceEvaluator<T> force_;
     Memory memory_, saved_memory_;
-    TrackerState<T> saved_{};
+    Moment saved_{};
     std::vector<Event<T>> events_;
     vec3<T> stylus_{T(0)};
     double stride_ = 1, step_ = 1, relief_ = 1;
-    Wide above_ = 0;     // the stylus over the surface, in the last update
+    Contact<T> last_{};
+    ContactStatus was_ = ContactStatus::free;
+    // The last stylus: the place under it, its height above that, how much of it may be rounding, and whether all that
+    // is to be relied on.
+    std::optional<WideSurfacePoint> under_;
+    Wide above_ = 0, tolerance_ = 0;
+    bool there_ = false;
     bool holes_ = false; // there are, or were
+    /// Cliffs are not so high that nothing but what holds in any case can be said of a contact.
+    bool tame_ = true, rest_is_judged_ = true;
 };
+
+/// A field that breaks its contract, with NaN, infinity and numbers without squares for heights: an update returns within
+/// its bound, whatever it returns.
+template <Real T>
+void touch_raw_field(Bytes& bytes) {
+    Terrain<T> terrain = test::plane<T>(bytes.whole(2, 5), bytes.whole(2, 5));
+    for (T& height : terrain.heights)
+        height = bytes.flag() ? bytes.raw<T>() : static_cast<T>(bytes.small() / 16);
+    const test::RawField<T> field{terrain};
+    const test::CountingField counting{field};
+    const TrackerOptions options{.surface = bytes.flag() ? SurfaceKind::sheet : SurfaceKind::solid,
+                                 .max_patches = any_limit(bytes),
+                                 .max_slide = any_limit(bytes)};
+    ProxyTracker tracker{counting, options};
+    for (int n = 0; n < 100 && !bytes.empty(); ++n, ++tally.updates) {
+        const double x = 6 * bytes.share() - 1, y = 6 * bytes.share() - 1, z = bytes.small() / 16;
+        const long before = counting.looks();
+        const auto c = tracker.update({static_cast<T>(x), static_cast<T>(y), static_cast<T>(z)});
+        if (c.patches > options.max_patches + 16 ||
+            counting.looks() - before > 4 * (options.max_patches + 16L)) {
+            Story story;
+            for (const T height : terrain.heights) story("height", height);
+            broken("more work than was allowed on a raw field", story("x", x)("y", y)("z", z).told());
+        }
+    }
+}
+
+template <Real T>
+void touch(Bytes& bytes, bool raw) {
+    if (raw) {
+        touch_raw_field<T>(bytes);
+    } else {
+        Session<T>{bytes}.run();
+    }
+}
 
 } // namespace
 } // namespace hfh::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     hfh::fuzz::Bytes bytes{data, size};
-    if (bytes.flag()) {
-        hfh::fuzz::Session<double>{bytes}.run();
+    const std::uint8_t which = bytes.byte();
+    const bool raw = which / 2 % 8 == 0;
+    if (which % 2 != 0) {
+        hfh::fuzz::touch<double>(bytes, raw);
     } else {
-        hfh::fuzz::Session<float>{bytes}.run();
+        hfh::fuzz::touch<float>(bytes, raw);
     }
     return 0;
 }

@@ -192,8 +192,8 @@ public:
     [[nodiscard]] std::optional<WidePatch> patch(Index i, Index j) const {
         if (!in_grid(i, j)) return {};
         const WidePatch p{sample(i, j), sample(i + 1, j), sample(i, j + 1), sample(i + 1, j + 1), dx(), dy()};
-        const Wide sum = p.p00 + p.p10 + p.p01 + p.p11;
-        return std::isfinite(sum) ? std::optional{p} : std::nullopt;
+        const bool all = is_height(p.p00) && is_height(p.p10) && is_height(p.p01) && is_height(p.p11);
+        return all ? std::optional{p} : std::nullopt;
     }
     [[nodiscard]] Wide dx() const { return static_cast<Wide>(terrain_->frame.spacing.x); }
     [[nodiscard]] Wide dy() const { return static_cast<Wide>(terrain_->frame.spacing.y); }
@@ -375,6 +375,9 @@ public:
     }
 
 private:
+    [[nodiscard]] static bool is_height(Wide metres) {
+        return std::abs(metres) < static_cast<Wide>(no_height_from<S>);
+    }
     [[nodiscard]] Wide sample(Index i, Index j) const {
         return static_cast<Wide>(terrain_->frame.height_offset) +
                static_cast<Wide>(terrain_->frame.height_scale) * static_cast<Wide>(terrain_->at(i, j));

@@ -38,6 +38,21 @@ struct Terrain {
     }
 };
 
+/// From this size on, in metres, a number is no height: the squares that a tracker computes would overflow.
+template <Real T>
+inline constexpr T no_height_from = sizeof(T) == 4 ? T(0x1p31F) : static_cast<T>(0x1p255);
+
+/// Whether every sample is a height.
+template <Real T>
+[[nodiscard]] bool without_holes(const Terrain<T>& terrain) {
+    for (const T sample : terrain.heights) {
+        const double metres =
+            terrain.frame.height_offset + terrain.frame.height_scale * static_cast<double>(sample);
+        if (!(std::abs(metres) < static_cast<double>(no_height_from<T>))) return false;
+    }
+    return true;
+}
+
 /// columns × rows samples of height(i, j).
 template <Real T, class Height>
 [[nodiscard]] Terrain<T> terrain(Index columns, Index rows, Height&& height, const GridFrame& frame = {}) {

@@ -19,7 +19,7 @@ public:
 
     explicit Witness(const Terrain<T>& terrain, const TrackerOptions& options = {})
         : surface{terrain}, grid{terrain.grid()}, tracker{grid, options}, options_{options} {
-        for (const T height : terrain.heights) holes_ = holes_ || !std::isfinite(height);
+        holes_ = !without_holes(terrain);
     }
     Witness(const Witness&) = delete;
     Witness& operator=(const Witness&) = delete;
@@ -29,30 +29,33 @@ public:
     ProxyTracker<Grid> tracker;
 
     int updates = 0, contacts = 0, most_patches = 0, faults = 0;
+    int dropped = 0;         ///< of the faults
     std::string first_fault; ///< with the two last positions and the proxy before, to be found again
 
     /// An update of the tracker, judged.
     Contact<T> update(const vec3<T>& stylus) {
-        const auto before = tracker.state();
         const Contact<T> contact = tracker.update(stylus);
         ++updates;
         contacts += contact.touching();
         most_patches = std::max(most_patches, contact.patches);
-        const std::string what = judge(stylus, contact);
+        std::string what = judge(stylus, contact);
+        if (before_.touching() && is_dropped(stylus, contact)) {
+            ++dropped;
+            what = "dropped";
+        }
         if (!what.empty() && faults++ == 0) {
             first_fault = what + ": update " + std::to_string(updates) + ", stylus " + digits(last_) +
                           " -> " + digits(stylus) + ", " + to_string(contact.status) + ", proxy before " +
-                          (before.touching() ? "cell " + std::to_string(before.proxy.cell.i) + ' ' +
-                                                 std::to_string(before.proxy.cell.j) + " at " +
-                                                 digits(before.proxy.u) + ' ' + digits(before.proxy.v)
-                                           : std::string{"none"}) +
+                          (before_.touching() ? "cell " + std::to_string(before_.point.cell.i) + ' ' +
+                                                    std::to_string(before_.point.cell.j) + " at " +
+                                                    digits(before_.point.u) + ' ' + digits(before_.point.v)
+                                              : std::string{"none"}) +
                           ", point now cell " + std::to_string(contact.point.cell.i) + ' ' +
                           std::to_string(contact.point.cell.j) + " at " + digits(contact.point.u) + ' ' +
                           digits(contact.point.v);
         }
         last_ = stylus;
-        was_touching_ = contact.touching();
-        was_searching_ = contact.status == ContactStatus::sweep_limit;
+        before_ = contact;
         return contact;
     }
 
@@ -60,6 +63,7 @@ public:
     void reset() {
         tracker.reset();
         outside_ = false;
+        before_ = {};
         side_ = Side::none;
     }
 
@@ -70,6 +74,18 @@ private:
         const TrackerOptions ample;
         const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
         return limited && patches >= std::min(options_.max_slide, options_.max_patches);
+    }
+
+    /// On ground without holes, within its rim: in contact before, the surface over it (felt from below: under it) by more
+    /// than roundings, and no force.
+    [[nodiscard]] bool is_dropped(const vec3<T>& stylus, const Contact<T>& c) const {
+        if (holes_ || (c.touching() && c.depth > 0)) return false;
+        const Point q = wide(stylus);
+        const auto under = surface.under(q.x, q.y);
+        if (!under || !strictly_over(q)) return false;
+        const Wide over = surface.patch(under->i, under->j)->height(under->u, under->v) - q.z;
+        const Wide inside = before_.side == Side::below ? -over : over;
+        return inside > 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<T>));
     }
 
     [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
@@ -93,12 +109,15 @@ private:
             return "not finite";
         }
         if (c.status == ContactStatus::bad_input) return "refused";
-        if (was_touching_) {
-            const Wide moved = std::max(std::abs(q.x - static_cast<Wide>(last_.x)) / surface.dx(),
-                                        std::abs(q.y - static_cast<Wide>(last_.y)) / surface.dy());
-            const Wide allowed = std::min<Wide>(static_cast<Wide>(options_.max_slide) + 2 * moved,
-                                                static_cast<Wide>(options_.max_patches));
-            if (static_cast<Wide>(c.patches) > allowed + 16) return "more work than was allowed";
+        if (c.patches > options_.max_patches + 16) return "more work than was allowed";
+        if (before_.touching()) {
+            // The slide, and the casts that tell whether the stylus is free: from the proxy, each shorter than the last.
+            const Wide moved = cells_apart(q, wide(last_));
+            const Wide to_cast = cells_apart(q, wide(before_.proxy));
+            if (static_cast<Wide>(c.patches) >
+                static_cast<Wide>(options_.max_slide) + 2 * moved + 4 * (1 + to_cast) + 16) {
+                return "more work than was allowed in contact";
+            }
         }
         if (c.touching() != tracker.state().touching()) return "the state remembers something else";
         if (c.touching()) {
@@ -178,6 +197,10 @@ private:
         }
         return true;
     }
+    /// In plan, along the longer axis.
+    [[nodiscard]] Wide cells_apart(const Point& a, const Point& b) const {
+        return std::max(std::abs(a.x - b.x) / surface.dx(), std::abs(a.y - b.y) / surface.dy());
+    }
     /// Over a patch and not on its rim.
     [[nodiscard]] bool strictly_over(const Point& q) const {
         const auto s = surface.under(q.x, q.y);
@@ -190,7 +213,7 @@ private:
     /// way, and so does a search that has not got to the stylus.
     [[nodiscard]] bool all_over_surface(const Point& to) const {
         if (!holes_) return true;
-        if (was_touching_ || was_searching_) return false;
+        if (before_.touching() || before_.status == ContactStatus::sweep_limit) return false;
         const Point from = wide(last_);
         for (int k = 0; k <= 1000; ++k) {
             const Wide t = Wide(k) / 1000;
@@ -202,7 +225,7 @@ private:
 
     TrackerOptions options_;
     bool holes_ = false;
-    bool was_touching_ = false, was_searching_ = false;
+    Contact<T> before_{};
     vec3<T> last_{T(0)};
     bool outside_ = false;   // has been above the surface, and over it ever since
     Side side_ = Side::none; // sheet: the side it was on, over the surface
