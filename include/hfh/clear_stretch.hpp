@@ -114,8 +114,7 @@ template <HeightField Field>
     const auto patch = field.patch(cell);
     if (!patch) return false;
     // Corner by corner, not `highest`: GCC would put them into a vector and take them out again.
-    return static_cast<double>(patch->p00) < z && static_cast<double>(patch->p10) < z &&
-           static_cast<double>(patch->p01) < z && static_cast<double>(patch->p11) < z;
+    return widen(patch->p00) < z && widen(patch->p10) < z && widen(patch->p01) < z && widen(patch->p11) < z;
 }
 
 /// The cells of a range across the segment.
@@ -271,8 +270,8 @@ private:
                 const auto between = block_range(along, first + 1, first + 1);
                 range = {glm::min(range.lowest, between.lowest), glm::max(range.highest, between.highest)};
             }
-            const bool passed = side == Side::above ? static_cast<double>(range.highest) < part.lowest
-                                                    : part.highest < static_cast<double>(range.lowest);
+            const bool passed =
+                side == Side::above ? widen(range.highest) < part.lowest : part.highest < widen(range.lowest);
             if (!passed) return clear;
             clear += width;
             if (clear == count) return clear;

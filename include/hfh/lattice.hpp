@@ -76,16 +76,14 @@ public:
     /// The point p seen from cell c. Eq. (6)-(7) [P] solved for u and v.
     template <Real T>
     [[nodiscard]] constexpr CellPoint<T> locate(const vec3<T>& p, Cell c) const noexcept {
-        return {static_cast<T>(u_of(static_cast<double>(p.x), c.i)),
-                static_cast<T>(v_of(static_cast<double>(p.y), c.j)), p.z};
+        return {static_cast<T>(u_of(widen(p.x), c.i)), static_cast<T>(v_of(widen(p.y), c.j)), p.z};
     }
 
     /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
         constexpr double far = static_cast<double>(CellRange::endless().last.i);
-        const double u = (static_cast<double>(p.x) - origin_.x) * per_metre_.x,
-                     v = (static_cast<double>(p.y) - origin_.y) * per_metre_.y;
+        const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
         return -far < u && u < far && -far < v && v < far;
     }
 

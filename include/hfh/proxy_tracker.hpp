@@ -75,7 +75,7 @@ public:
         if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !(std::abs(stylus.z) < highest)) {
             return {.status = ContactStatus::bad_input};
         }
-        const glm::dvec3 to{stylus};
+        const glm::dvec3 to = widen(stylus);
         if (!state_.started) {
             state_.started = true;
             state_.swept_to = to;
@@ -107,7 +107,7 @@ private:
     /// Free, with something in the way, or near it. Not inlined, so that an update that meets nothing needs no stack.
     [[nodiscard, gnu::noinline]] Contact<Scalar> meet(const vec3<Scalar>& stylus) noexcept {
         // Behind a search that was cut short lies more than the way of one update.
-        const glm::dvec3 before = state_.cut_short ? glm::dvec3{stylus} : state_.swept_to;
+        const glm::dvec3 before = state_.cut_short ? widen(stylus) : state_.swept_to;
         int patches = 0;
         const auto status = sweep(state_.swept_to, stylus, {}, options_.max_patches, patches);
         return state_.touching ? slide(before, stylus, patches) : without_contact(status, stylus, patches);
@@ -117,7 +117,7 @@ private:
     /// is cut short.
     [[nodiscard]] ContactStatus sweep(const glm::dvec3& from, const vec3<Scalar>& stylus,
                                       FirstHitOptions options, int enough, int& patches) noexcept {
-        const glm::dvec3 to{stylus};
+        const glm::dvec3 to = widen(stylus);
         options.surface = options_.surface;
         options.side = state_.side;
         options.max_cells = glm::max(1, enough - patches);
@@ -142,7 +142,7 @@ private:
     /// for the reason that `descend` is not.
     [[nodiscard, gnu::noinline]] Contact<Scalar> slide(const glm::dvec3& before, const vec3<Scalar>& stylus,
                                                        int patches) noexcept {
-        const glm::dvec3 to{stylus};
+        const glm::dvec3 to = widen(stylus);
         const int enough = allowed_to_slide(to - before);
         state_.swept_to = to;
         Scalar nearest = std::numeric_limits<Scalar>::max();
@@ -168,7 +168,7 @@ private:
             nearest = squared;
             // Outside this face: free, unless another one lies between. Each new contact is nearer than the last.
             const auto status =
-                sweep(glm::dvec3{stylus} + glm::dvec3{found.offset}, stylus,
+                sweep(widen(stylus) + widen(found.offset), stylus,
                       {.leaves_within = blur(stylus, found.offset, found.point.cell)}, enough, patches);
             if (!state_.touching) return without_contact(status, stylus, patches);
         }
@@ -187,8 +187,7 @@ private:
     /// way the plane at it does not tell, for the stylus is far from there.
     [[nodiscard, gnu::noinline]] bool covered(const vec3<Scalar>& stylus) const noexcept {
         const Lattice& lattice = field_->lattice();
-        const double u = lattice.u_of(static_cast<double>(stylus.x), 0),
-                     v = lattice.v_of(static_cast<double>(stylus.y), 0);
+        const double u = lattice.u_of(widen(stylus.x), 0), v = lattice.v_of(widen(stylus.y), 0);
         // On a grid line cells on both sides are under it; beside a hole one of them has no patch.
         const auto last = Cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
         const Cell first{last.i - (u == static_cast<double>(last.i)),
@@ -210,8 +209,7 @@ private:
     [[nodiscard]] double blur(const vec3<Scalar>& stylus, vec3<Scalar> offset, Cell cell) const noexcept {
         Scalar size = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z);
         if (const auto patch = field_->patch(cell)) size += 2 * (patch->highest() - patch->lowest());
-        return static_cast<double>(8 * epsilon<Scalar> * size) +
-               8 * epsilon<double> * std::abs(static_cast<double>(stylus.z));
+        return widen(8 * epsilon<Scalar> * size) + 8 * epsilon<double> * std::abs(widen(stylus.z));
     }
 
     // Contacts are made in one piece: one filled in bit by bit is first cleared by GCC with rep stos, some 6 ns.
@@ -238,7 +236,7 @@ private:
     /// The proxy has slid off a rim: the stylus is wherever it is.
     [[nodiscard]] Contact<Scalar> leave(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept {
         state_.side = Side::none;
-        (void)sweep(glm::dvec3{stylus}, stylus, {}, options_.max_patches, patches);
+        (void)sweep(widen(stylus), stylus, {}, options_.max_patches, patches);
         return without_contact(rim == DescentStatus::off_border ? ContactStatus::left_at_border
                                                                 : ContactStatus::left_at_hole,
                                stylus, patches);

@@ -57,7 +57,7 @@ public:
         const CellRange inside = field_->cells();
         if (inside.empty()) return {};
         const glm::dvec2 reach =
-            static_cast<double>(radius_) * finer_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
+            widen(radius_) * finer_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
         return {{stretched(inside.first.i, -reach.x), stretched(inside.first.j, -reach.y)},
                 {stretched(inside.last.i, reach.x), stretched(inside.last.j, reach.y)}};
     }

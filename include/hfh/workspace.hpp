@@ -104,7 +104,7 @@ public:
     /// N on the terrain → N at the hand: s · Rᵀ · F.
     [[nodiscard]] glm::dvec3 force_at_hand(const vec3<T>& newtons) const noexcept {
         if (status_ != WorkspaceStatus::ok) return glm::dvec3{0.0};
-        return frame_.scale * (glm::dvec3{newtons} * frame_.rotation);
+        return frame_.scale * (widen(newtons) * frame_.rotation);
     }
     /// What the terrain's stiffness (or damping) has to be for this one at the hand: k/s².
     [[nodiscard]] T terrain_stiffness(double at_hand) const noexcept {
