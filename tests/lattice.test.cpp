@@ -35,7 +35,19 @@ TEST_CASE("lattice: an endless range ends where a double no longer counts halves
     STATIC_REQUIRE(range.contains({0, 0}));
     STATIC_REQUIRE(range.contains({-1'000'000'000'000, 1'000'000'000'000}));
     CHECK(static_cast<Index>(static_cast<double>(range.last.i)) == range.last.i);
+    CHECK(range.last.i == 0x7'ffff'ffff'ffff);
+    CHECK(range.first.j == -0x7'ffff'ffff'ffff);
     CHECK(static_cast<Index>(static_cast<double>(range.first.j) + 0.5) != range.first.j);
+}
+
+TEMPLATE_TEST_CASE("lattice: an endless range leaves room for sums of four cell numbers, also in 32 bits",
+                   "[lattice][hard]", std::int16_t, std::int32_t, std::int64_t) {
+    using I = TestType;
+    constexpr I far = hfh::detail::farthest_cell<I>();
+    STATIC_REQUIRE(far > 0);
+    STATIC_REQUIRE(far <= (std::numeric_limits<I>::max() - 1000) / 4);
+    // A northing of 10 000 km in cells of 2 cm.
+    STATIC_REQUIRE((sizeof(I) < 4 || far > 500'000'000));
 }
 
 TEST_CASE("lattice: the default has lines at whole metres", "[lattice]") {

@@ -108,15 +108,23 @@ TEMPLATE_TEST_CASE("scalar: widening keeps every number, and can be done at comp
     CHECK(std::isnan(hfh::widen(limits::quiet_NaN())));
 }
 
-TEMPLATE_TEST_CASE("scalar: is_at_least_zero takes zero of either sign and finite numbers above", "[scalar]",
-                   float, double) {
+TEMPLATE_TEST_CASE(
+    "scalar: coefficients are zero of either sign and finite numbers above, limits also infinity",
+    "[scalar][hard]", float, double) {
     using T = TestType;
     using limits = std::numeric_limits<T>;
     for (const T good : {T(0), -T(0), limits::denorm_min(), T(1), limits::max()}) {
         CHECK(hfh::is_at_least_zero(good));
+        CHECK(hfh::is_upper_limit(good));
     }
     for (const T bad : {-limits::denorm_min(), T(-1), limits::lowest(), limits::quiet_NaN(),
-                        -limits::quiet_NaN(), limits::infinity(), -limits::infinity()}) {
+                        -limits::quiet_NaN(), limits::signaling_NaN(), -limits::infinity()}) {
         CHECK_FALSE(hfh::is_at_least_zero(bad));
+        CHECK_FALSE(hfh::is_upper_limit(bad));
     }
+    CHECK_FALSE(hfh::is_at_least_zero(limits::infinity()));
+    CHECK(hfh::is_upper_limit(limits::infinity()));
+    STATIC_REQUIRE(hfh::is_at_least_zero(T(0)));
+    STATIC_REQUIRE(hfh::is_upper_limit(limits::infinity()));
+    STATIC_REQUIRE_FALSE(hfh::is_upper_limit(T(-1)));
 }

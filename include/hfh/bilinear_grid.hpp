@@ -14,8 +14,8 @@ namespace hfh {
 ///
 /// in a right-handed frame with z up.
 struct GridFrame {
-    glm::dvec2 origin{0.0};     ///< metres
-    glm::dvec2 spacing{1.0};    ///< metres, > 0
+    glm::dvec2 origin{0.0}; ///< metres
+    glm::dvec2 spacing{1.0}; ///< metres, > 0, from 2⁻³¹ to 2³¹ in float and from 2⁻²⁵⁵ to 2²⁵⁵ in double
     double height_scale = 1.0;  ///< metres per unit of a sample
     double height_offset = 0.0; ///< metres
 };
@@ -24,7 +24,7 @@ struct GridFrame {
 enum class GridStatus : unsigned char {
     ok,
     too_few_samples, ///< fewer than 2 columns or 2 rows
-    bad_spacing, ///< spacing not finite, not > 0, or (dx·dy)² or 1/spacing out of range; or origin not finite
+    bad_spacing,     ///< spacing not a number from 1/`longest` to `longest`; or origin not finite
     bad_height_scale ///< height scale or offset not finite, or too large for the range of an integer sample
 };
 
@@ -44,7 +44,7 @@ public:
                                                                  static_cast<T>(frame.height_offset)} {
         if (heights.columns() < 2 || heights.rows() < 2) {
             status_ = GridStatus::too_few_samples;
-        } else if (!lattice_.valid() || !squares_in_range(spacing_.x * spacing_.y)) {
+        } else if (!lattice_.valid() || !spacing_in_range<T>(frame.spacing)) {
             status_ = GridStatus::bad_spacing;
         } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !integers_stay_finite()) {
             status_ = GridStatus::bad_height_scale;
@@ -118,11 +118,6 @@ private:
         using Limits = std::numeric_limits<SampleType>;
         return std::is_floating_point_v<SampleType> ||
                (is_finite(metres(Limits::lowest())) && is_finite(metres(Limits::max())));
-    }
-
-    /// The determinant of Eq. (11) is (dx·dy)² at the least: that must be a number.
-    [[nodiscard]] static constexpr bool squares_in_range(T area) noexcept {
-        return area > 0 && area * area >= std::numeric_limits<T>::min() && is_finite(area * area);
     }
 
     Heights heights_;

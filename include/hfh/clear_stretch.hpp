@@ -53,7 +53,9 @@ public:
         cell_blur_ = 32 * epsilon<double> *
                      (std::abs(static_cast<double>(along.base)) + std::abs(static_cast<double>(across.base)) +
                       length + 4);
-        z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_);
+        // Denormal heights have a rounding of their own size.
+        z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_) +
+                  std::numeric_limits<double>::min();
         z_low_ = glm::min(az, bz) - z_blur_;
         z_high_ = glm::max(az, bz) + z_blur_;
     }
@@ -167,7 +169,7 @@ public:
     Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {
         if constexpr (BoundedHeightField<Field>) {
             levels_ = field.levels();
-            if (levels_ == 0) cells_to_ = CellRange::endless().last.i;
+            if (levels_ == 0) cells_to_ = std::numeric_limits<Index>::max() / 2; // beyond every column
         }
     }
 

@@ -77,7 +77,9 @@ namespace detail {
 
 /// Whether x is a number below 2⁶⁴ in size, told from its exponent. Below 2⁶⁴ no sum, product or square in this header
 /// overflows, so that no ∞ or NaN arises later on either.
-[[nodiscard]] inline bool is_tame(double x) noexcept { return ((high_bits(x) >> 20) & 0x7ffu) < 1023 + 64; }
+[[nodiscard]] inline bool is_tame(double x) noexcept {
+    return (bits_of(x) & Bits<double>::exponent) >> Bits<double>::below_exponent < 1023 + 64;
+}
 [[nodiscard]] inline bool is_tame(const glm::dvec3& p) noexcept {
     const bool x = is_tame(p.x), y = is_tame(p.y), z = is_tame(p.z);
     return x && y && z;

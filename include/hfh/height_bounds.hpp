@@ -48,19 +48,6 @@ template <Sample S>
     return true;
 }
 
-/// The same of a sample in memory, as vector code: `is_finite` is none, for a compiler has to take numbers one by one
-/// that it may not know. Of what lies in memory it knows nothing, so the bits can be asked as they are.
-template <Sample S>
-[[nodiscard]] constexpr bool is_stored_number(const S& sample) noexcept {
-    if constexpr (std::same_as<S, float>) {
-        return (std::bit_cast<std::uint32_t>(sample) & 0x7f80'0000u) != 0x7f80'0000u;
-    } else if constexpr (std::same_as<S, double>) {
-        return (std::bit_cast<std::uint64_t>(sample) & 0x7ff0'0000'0000'0000u) != 0x7ff0'0000'0000'0000u;
-    } else {
-        return is_number(sample);
-    }
-}
-
 /// Reads rows of samples that lie side by side: through pointers, and without a branch.
 template <Sample S, class Missing>
 struct PointerRows {
@@ -72,9 +59,9 @@ struct PointerRows {
     Missing rule;
 
     [[nodiscard]] constexpr const S* row(Index j) const noexcept { return data + j * stride; }
-    [[nodiscard]] constexpr bool hole(const S& sample) const noexcept {
+    [[nodiscard]] constexpr bool hole(S sample) const noexcept {
         // Both are asked, always: what may be skipped keeps a compiler from vector code.
-        const bool marked = rule(sample), number = is_stored_number(sample);
+        const bool marked = rule(sample), number = is_number(sample);
         return marked || !number;
     }
 };

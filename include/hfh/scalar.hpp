@@ -34,21 +34,29 @@ inline constexpr T epsilon = std::numeric_limits<T>::epsilon();
 
 namespace detail {
 
-/// The upper 32 bits of x, with its sign and its exponent, of which the compiler knows nothing. Under -ffast-math it may
-/// assume that no number is NaN or ∞, and Clang from 17 or so on extends that to the bits of the number. An empty
-/// assembly, which costs no instruction, may do anything to them for all that the compiler knows. MSVC does not have
-/// it, nor does it draw conclusions about bits.
-[[nodiscard]] constexpr std::uint32_t high_bits(float x) noexcept {
-    auto bits = std::bit_cast<std::uint32_t>(x);
-#if defined(__GNUC__)
-    if (!std::is_constant_evaluated()) asm("" : "+r"(bits));
-#endif
-    return bits;
-}
-[[nodiscard]] constexpr std::uint32_t high_bits(double x) noexcept {
-    auto bits = static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x) >> 32);
-#if defined(__GNUC__)
-    if (!std::is_constant_evaluated()) asm("" : "+r"(bits));
+/// Where the sign, the exponent and the rest are in the bits of a T.
+template <Real T>
+struct Bits {
+    using Type = std::conditional_t<std::same_as<T, float>, std::uint32_t, std::uint64_t>;
+    static constexpr int below_exponent = std::numeric_limits<T>::digits - 1;
+    static constexpr Type sign = Type{1} << (8 * sizeof(T) - 1);
+    static constexpr Type exponent = sign - (Type{1} << below_exponent);
+};
+
+/// The bits of x. Under -ffast-math a compiler may assume that no number is NaN or ∞, and Clang from 17 or so on extends
+/// that to the bits of the number. Past an empty assembly, which may do anything to them for all that the compiler
+/// knows, it cannot. MSVC draws no such conclusions.
+template <Real T>
+[[nodiscard]] constexpr typename Bits<T>::Type bits_of(T x) noexcept {
+    auto bits = std::bit_cast<typename Bits<T>::Type>(x);
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0
+    if (!std::is_constant_evaluated()) {
+        if constexpr (sizeof bits <= sizeof(void*)) {
+            asm("" : "+r"(bits));
+        } else {
+            asm("" : "+m"(bits)); // no register is as wide
+        }
+    }
 #endif
     return bits;
 }
@@ -59,8 +67,7 @@ namespace detail {
 /// x == x.
 template <Real T>
 [[nodiscard]] constexpr bool is_finite(T x) noexcept {
-    constexpr std::uint32_t exponent = std::same_as<T, float> ? 0x7f80'0000u : 0x7ff0'0000u;
-    return (detail::high_bits(x) & exponent) != exponent;
+    return (detail::bits_of(x) & detail::Bits<T>::exponent) != detail::Bits<T>::exponent;
 }
 
 template <Real T>
@@ -68,11 +75,23 @@ template <Real T>
     return is_finite(p.x) && is_finite(p.y) && is_finite(p.z);
 }
 
-/// A finite number from 0 on, such as a stiffness, a coefficient or a limit has to be.
+/// A finite number from 0 on, as a stiffness or a coefficient has to be. Looks at the bits as well.
 template <Real T>
 [[nodiscard]] constexpr bool is_at_least_zero(T x) noexcept {
-    return is_finite(x) && x >= 0;
+    const auto bits = detail::bits_of(x);
+    return bits < detail::Bits<T>::exponent || bits == detail::Bits<T>::sign;
 }
+/// A number from 0 on, or +∞: what may limit something from above. +∞ limits nothing.
+template <Real T>
+[[nodiscard]] constexpr bool is_upper_limit(T x) noexcept {
+    const auto bits = detail::bits_of(x);
+    return bits <= detail::Bits<T>::exponent || bits == detail::Bits<T>::sign;
+}
+
+/// Lengths in metres lie between these and their inverse: heights, distances, the spacing of a grid. So the fourth power
+/// of a length, the square of a slope, and the determinant of Eq. (11), which is (dx·dy)² at the least, are numbers.
+template <Real T>
+inline constexpr T longest = std::same_as<T, float> ? T(0x1p31) : T(0x1p255);
 
 /// x as a double, to the bit. Every step from float to double goes through here: GCC 12 at -O2 computes a pair of such
 /// steps as a vector, and of a vector of (double)(float)y it drops both conversions, the rounding with them. It cannot
@@ -95,10 +114,10 @@ template <Real T>
     }
     return static_cast<double>(x);
 }
-template <Real T>
-[[nodiscard]] constexpr glm::dvec3 widen(const vec3<T>& p) noexcept {
+[[nodiscard]] constexpr glm::dvec3 widen(const vec3<float>& p) noexcept {
     return {widen(p.x), widen(p.y), widen(p.z)};
 }
+[[nodiscard]] constexpr const glm::dvec3& widen(const vec3<double>& p) noexcept { return p; }
 
 } // namespace hfh
 
