@@ -470,7 +470,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: over a crossing from border to border it lets 
 TEMPLATE_TEST_CASE("ProxyTracker: refuses positions that are no positions, its state unchanged bit by bit",
                    "[proxy_tracker][hard]", float, double) {
     using T = TestType;
-    const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
+    const T nan = hidden_nan<T>(), inf = hidden_infinity<T>();
     const T huge = std::is_same_v<T, float> ? T(1e38) : T(1e300);
     const auto ground = hills<T>(17, 17, 1, 8);
     const auto grid = ground.grid();

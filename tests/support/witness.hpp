@@ -19,7 +19,7 @@ public:
 
     explicit Witness(const Terrain<T>& terrain, const TrackerOptions& options = {})
         : surface{terrain}, grid{terrain.grid()}, tracker{grid, options}, options_{options} {
-        for (const T height : terrain.heights) holes_ = holes_ || !std::isfinite(height);
+        for (const T height : terrain.heights) holes_ = holes_ || !holds_number(height);
     }
     Witness(const Witness&) = delete;
     Witness& operator=(const Witness&) = delete;
