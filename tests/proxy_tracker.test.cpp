@@ -95,7 +95,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants under any hand on synthet
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants on a sheet, felt from either side",
-                   "[proxy_tracker][law]", float, double) {
+                   "[proxy_tracker][law][ieee]", float, double) {
     for (const auto& scene : scenes<TestType>()) {
         check_hand(scene.name, scene.terrain, {.surface = SurfaceKind::sheet}, 32, 10000);
     }
@@ -685,7 +685,7 @@ TEMPLATE_TEST_CASE(
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: a stylus at rest has its proxy at rest, anywhere on any terrain",
-                   "[proxy_tracker][law]", float, double) {
+                   "[proxy_tracker][law][ieee]", float, double) {
     using T = TestType;
     for (const auto& scene : scenes<T>()) {
         const auto grid = scene.terrain.grid();
