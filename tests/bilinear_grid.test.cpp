@@ -4,6 +4,8 @@
 
 #include <hfh/bilinear_grid.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -162,25 +164,57 @@ TEST_CASE("bilinear_grid: a frame that only a double can hold is bad for float",
     CHECK(status_of<float>({{0, 0}, {1, 1}, 1e37}) == GridStatus::bad_height_scale); // times 255
 }
 
-TEMPLATE_TEST_CASE("bilinear_grid: what it takes for a spacing gives upright normals of unit length",
-                   "[grid][hard]", float, double) {
+TEMPLATE_TEST_CASE(
+    "bilinear_grid: what it takes for a spacing gives normals of unit length and squares in range",
+    "[grid][hard]", float, double) {
     using T = TestType;
-    const std::array<T, 4> samples{};
-    int taken = 0, refused = 0;
-    for (int x = -160; x <= 160; x += 4) {
-        for (int y = -160; y <= 160; y += 4) {
+    constexpr int most = std::is_same_v<T, float> ? 31 : 255, step = std::is_same_v<T, float> ? 1 : 8;
+    const std::array<T, 4> level{};
+    // As steep as heights below 2³¹ (float) or 2²⁵⁵ (double) make it.
+    const T top = hfh::longest<T> * (1 - hfh::epsilon<T>);
+    const std::array<T, 4> cliff{-top, top, top, -top};
+    int taken = 0, refused = 0, wrong = 0;
+    for (int x = -most - 8 * step; x <= most + 8 * step; x += step) {
+        for (int y = -most - 8 * step; y <= most + 8 * step; y += step) {
             const glm::dvec2 spacing{std::exp2(x), std::exp2(y)};
-            const BilinearGrid<T, HeightView<T>> grid{HeightView{samples.data(), 2, 2}, {{0, 0}, spacing}};
+            const BilinearGrid<T, HeightView<T>> grid{HeightView{level.data(), 2, 2}, {{0, 0}, spacing}};
+            const bool in_range = std::abs(x) <= most && std::abs(y) <= most;
+            if ((grid.status() == GridStatus::ok) != in_range) ++wrong;
             if (grid.status() != GridStatus::ok) {
                 ++refused;
+                CHECK(grid.status() == GridStatus::bad_spacing);
+                CHECK(grid.cells().empty());
                 continue;
             }
             ++taken;
-            CHECK(grid.patch({0, 0})->normal(T(0.5), T(0.5)) == hfh::vec3<T>{0, 0, 1});
+            const auto flat = *grid.patch({0, 0});
+            if (flat.normal(T(0.5), T(0.5)) != hfh::vec3<T>{0, 0, 1}) ++wrong;
+            const T dx2 = flat.spacing.x * flat.spacing.x, dy2 = flat.spacing.y * flat.spacing.y;
+            if (!std::isnormal(dx2) || !std::isnormal(dy2) || !std::isnormal(dx2 * dy2)) ++wrong;
+            const BilinearPatch<T> steep{cliff[0], cliff[1], cliff[2], cliff[3], flat.spacing};
+            for (const T u : {T(0), T(0.25), T(1)}) {
+                const auto n = steep.normal(u, T(0));
+                if (!(std::abs(static_cast<double>(glm::dot(n, n)) - 1) < 8 * hfh::widen(hfh::epsilon<T>)))
+                    ++wrong;
+            }
         }
     }
+    CHECK(wrong == 0);
     CHECK(taken > 1000);
-    CHECK((refused > 1000) == std::is_same_v<T, float>);
+    CHECK(refused > 1000);
+}
+
+TEMPLATE_TEST_CASE(
+    "bilinear_grid: cells of 1e-155 by 1e155 metres are refused, and those just inside are not",
+    "[grid][hard]", float, double) {
+    using T = TestType;
+    CHECK(status_of<T>({{0, 0}, {1e-155, 1e155}}) == GridStatus::bad_spacing);
+    CHECK(status_of<T>({{0, 0}, {1e155, 1e-155}}) == GridStatus::bad_spacing);
+    CHECK(status_of<T>({{0, 0}, {1, 1e-155}}) == GridStatus::bad_spacing);
+    const double most = hfh::widen(hfh::longest<T>), least = 1 / most;
+    CHECK(status_of<T>({{0, 0}, {most, least}}) == GridStatus::ok);
+    CHECK(status_of<T>({{0, 0}, {std::nextafter(most, inf), 1}}) == GridStatus::bad_spacing);
+    CHECK(status_of<T>({{0, 0}, {1, std::nextafter(least, 0.0)}}) == GridStatus::bad_spacing);
 }
 
 TEMPLATE_TEST_CASE("bilinear_grid: a missing sample takes the patches around it and no other", "[grid]",

@@ -188,9 +188,13 @@ TEMPLATE_TEST_CASE("Damping: acts in contact only, and not on numbers that are n
             CHECK(same(damping, c, {T(0), bad, T(0)}));
             CHECK(same(damping, c, {bad, T(0), bad}));
         }
-        for (const T bad : {nan, inf, T(-1)}) {
+        for (const T bad : {nan, inf, -inf, T(-1)}) {
             CHECK(same(Damping<T>{bad, T(1)}, c, {T(1), T(0), T(1)}));
             CHECK(same(Damping<T>{T(1), bad}, c, {T(1), T(0), T(1)}));
+            const auto bad_spring = ForceEvaluator<T>{.stiffness = bad, .max_force = T(3.25)},
+                       bad_limit = ForceEvaluator<T>{.stiffness = T(500), .max_force = bad};
+            CHECK(damping(bad_spring, c, {T(1), T(0), T(-1)}).newtons == vec3<T>{T(0)});
+            if (bad != inf) CHECK(damping(bad_limit, c, {T(1), T(0), T(-1)}).newtons == vec3<T>{T(0)});
         }
         c.status = ContactStatus::free;
         CHECK(damping(spring, c, {T(1), T(1), T(-1)}).newtons == vec3<T>{T(0)});

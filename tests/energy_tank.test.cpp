@@ -191,6 +191,36 @@ TEST_CASE("EnergyTank: gives no force for what is no number, and charges the wor
     CHECK(glm::length(got.newtons) * 1e-3 <= tank.level() + 1e-9);
 }
 
+TEST_CASE("EnergyTank: lets no force pass with options that are out of range", "[energy_tank]") {
+    // A largest step of NaN, 0 or below once let every force pass.
+    const double nan = std::numeric_limits<double>::quiet_NaN(),
+                 inf = std::numeric_limits<double>::infinity();
+    std::vector<EnergyTankOptions> all;
+    for (const double bad : {nan, -nan, inf, -inf, -1.0, 0.0, -0.0}) all.push_back({.largest_step = bad});
+    for (const double bad : {nan, -inf, -1e-3}) {
+        all.push_back({.largest_turn = bad});
+        all.push_back({.allowance = bad});
+        all.push_back({.capacity = bad});
+    }
+    all.push_back({.allowance = inf});
+    for (const auto& options : all) {
+        CAPTURE(options.largest_step, options.largest_turn, options.allowance, options.capacity);
+        EnergyTank tank{options};
+        CHECK_FALSE(tank.usable());
+        // Also not when it has taken much.
+        for (int k = 0; k < 100; ++k) {
+            const auto got = tank({0, 0, -1e-4 * k}, {0, 0, 1000});
+            REQUIRE(got.newtons == glm::dvec3{0.0});
+            REQUIRE(got.shortened);
+        }
+        const auto none = tank({0, 0, 0}, {0, 0, 0});
+        CHECK(none.newtons == glm::dvec3{0.0});
+        CHECK_FALSE(none.shortened);
+    }
+    CHECK(EnergyTank{}.usable());
+    CHECK(EnergyTank{{.largest_turn = 0, .allowance = 0, .capacity = inf}}.usable());
+}
+
 TEST_CASE("EnergyTank: counts a hand that does more than it may, and lets what it owes be paid",
           "[energy_tank]") {
     EnergyTank tank{{.largest_step = 1e-3, .largest_turn = 0.5e-4}};

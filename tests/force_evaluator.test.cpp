@@ -114,10 +114,32 @@ TEMPLATE_TEST_CASE("ForceEvaluator: never gives a force that is not finite or ab
 TEMPLATE_TEST_CASE("ForceEvaluator: with a maximum that cannot be kept there is no force",
                    "[force_evaluator][hard]", float, double) {
     using T = TestType;
-    for (const T maximum : {std::numeric_limits<T>::quiet_NaN(), T(-1)}) {
+    const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
+    for (const T maximum : {nan, -nan, T(-1), -inf, -std::numeric_limits<T>::denorm_min()}) {
         const ForceEvaluator<T> evaluate{.stiffness = T(500), .max_force = maximum};
         CAPTURE(maximum);
         CHECK(evaluate(contact<T>({T(0), T(0), T(0.5)})).newtons == vec3<T>{T(0)});
+    }
+    const ForceEvaluator<T> unlimited{.stiffness = T(500), .max_force = inf};
+    CHECK(unlimited(contact<T>({T(0), T(0), T(0.5)})).newtons == vec3<T>{0, 0, T(250)});
+    CHECK_FALSE(unlimited(contact<T>({T(0), T(0), T(0.5)})).clamped);
+}
+
+TEMPLATE_TEST_CASE(
+    "ForceEvaluator: with a stiffness below zero or not finite there is no force, and so no pull",
+    "[force_evaluator][hard]", float, double) {
+    using T = TestType;
+    const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
+    // A stiffness of −500 once pulled into the ground, without a limit.
+    for (const T stiffness : {T(-500), -std::numeric_limits<T>::denorm_min(),
+                              std::numeric_limits<T>::lowest(), nan, -nan, inf, -inf, -T(0)}) {
+        for (const T maximum : {T(0), T(3.3), std::numeric_limits<T>::max(), inf}) {
+            const ForceEvaluator<T> evaluate{.stiffness = stiffness, .max_force = maximum};
+            const auto force = evaluate(contact<T>({T(0.25), T(0), T(0.5)}));
+            CAPTURE(stiffness, maximum);
+            CHECK(force.newtons == vec3<T>{T(0)});
+            CHECK_FALSE(force.clamped);
+        }
     }
 }
 

@@ -803,7 +803,9 @@ TEMPLATE_TEST_CASE("Friction: coefficients that are none mean no friction", "[fr
                                            {inf, T(0.5)},
                                            {T(0.5), inf},
                                            {T(-1), T(0.5)},
-                                           {T(0.5), T(-1)}}) {
+                                           {T(0.5), T(-1)},
+                                           {-inf, T(0.5)},
+                                           {T(0.5), -nan}}) {
         ProxyTracker tracker{grid};
         Friction<T> friction{{at_rest, sliding}};
         for (int n = 0; n < 100; ++n) {

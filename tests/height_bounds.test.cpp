@@ -574,6 +574,45 @@ TEMPLATE_TEST_CASE("height_bounds: builds, updates and answers without allocatin
     STATIC_REQUIRE(hfh::HeightField<Field>);
 }
 
+TEST_CASE("height_bounds: casts among denormal heights end on the same side with bounds and without",
+          "[bounds][hard]") {
+    // Bounds of rounding that are shares of a height are 0 there. Over level 0, from −5e−324 to 5e−324, a cast with bounds
+    // once ended below.
+    constexpr double tiny = std::numeric_limits<double>::denorm_min();
+    Random random{4711};
+    constexpr Index w = 40, h = 48;
+    std::vector<double> samples(w * h);
+    const HeightView view{samples.data(), w, h};
+    const BilinearGrid plain{view, {.origin = {-1, -6}, .spacing = {1, 2}}};
+    std::vector<SampleRange<double>> storage(static_cast<std::size_t>(HeightBounds<double>::size(w, h)));
+    BoundedGrid bounded{plain, storage.data(), std::ssize(storage)};
+    int differ = 0, hits = 0;
+    for (int round = 0; round < 200; ++round) {
+        const int relief = round % 4 == 0 ? 0 : round % 4 * 3;
+        for (double& z : samples) z = tiny * static_cast<double>(random.whole(-relief, relief));
+        REQUIRE(bounded.build() == BoundsStatus::ok);
+        const auto end = [&] {
+            return glm::dvec3{random.between(-3, 40), random.between(-8, 92),
+                              tiny * static_cast<double>(random.whole(-20, 20))};
+        };
+        for (int n = 0; n < 100; ++n) {
+            const glm::dvec3 a = end(), b = end();
+            const auto one = first_hit(plain, a, b), other = first_hit(bounded, a, b);
+            hits += one.status == hfh::HitStatus::hit;
+            differ += one.status != other.status || one.side != other.side || one.t != other.t ||
+                      one.point.cell != other.point.cell || one.point.u != other.point.u ||
+                      one.point.v != other.point.v;
+        }
+    }
+    CHECK(differ == 0);
+    CHECK(hits > 1000);
+    for (double& z : samples) z = 0;
+    REQUIRE(bounded.build() == BoundsStatus::ok);
+    const glm::dvec3 a{1.5, 61.25, -tiny}, b{1.625, 46, tiny};
+    CHECK(first_hit(plain, a, b).side == hfh::Side::above);
+    CHECK(first_hit(bounded, a, b).side == hfh::Side::above);
+}
+
 TEMPLATE_TEST_CASE("height_bounds: a tracker over a grid with bounds feels what one over the grid feels",
                    "[bounds][law]", float, double) {
     using T = TestType;

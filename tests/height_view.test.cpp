@@ -199,6 +199,61 @@ TEST_CASE("height_view: the no-data value of a 16 bit raster is not a height", "
     CHECK(view.missing(view(1, 1)));
 }
 
+namespace {
+
+template <class S, class V>
+concept CanMark = requires(const S* samples, V value) {
+    HeightView{samples, 2, 2, MissingValue<V>{value}};
+};
+template <class S, class V>
+concept CanMarkStrided = requires(const S* samples, V value) {
+    HeightView{samples, 2, 2, 1, 2, MissingValue<V>{value}};
+};
+template <class S, class V>
+concept CanName = requires {
+    typename HeightView<S, MissingValue<V>>;
+};
+template <class S, class V>
+constexpr bool can_mark(bool expected) {
+    return CanMark<S, V> == expected && CanMarkStrided<S, V> == expected && CanName<S, V> == expected &&
+           std::is_invocable_v<const MissingValue<V>&, S> == expected;
+}
+
+} // namespace
+
+TEST_CASE(
+    "height_view: a missing value is of the samples' type, or both are integers, or it does not compile",
+    "[height_view][hard]") {
+    // MissingValue{0} once took floats below 1 for holes, and MissingValue{-3.4e38} never took a float for one.
+    STATIC_REQUIRE(can_mark<float, float>(true));
+    STATIC_REQUIRE(can_mark<double, double>(true));
+    STATIC_REQUIRE(can_mark<std::int16_t, std::int16_t>(true));
+    STATIC_REQUIRE(can_mark<std::int16_t, int>(true));
+    STATIC_REQUIRE(can_mark<std::uint64_t, char>(true));
+    STATIC_REQUIRE(can_mark<float, int>(false));
+    STATIC_REQUIRE(can_mark<float, double>(false));
+    STATIC_REQUIRE(can_mark<double, float>(false));
+    STATIC_REQUIRE(can_mark<double, long double>(false));
+    STATIC_REQUIRE(can_mark<std::int16_t, double>(false));
+    STATIC_REQUIRE(can_mark<std::uint8_t, float>(false));
+}
+
+TEST_CASE("height_view: a missing value of another integer type is the same number or none",
+          "[height_view][hard]") {
+    // Not −1 as the unsigned number that it converts to, and not 65 535 cut to 16 bits.
+    const std::array<std::uint16_t, 4> words{65535, 0, 1, 32768};
+    CHECK_FALSE(HeightView{words.data(), 2, 2, MissingValue{-1}}.missing(words[0]));
+    CHECK(HeightView{words.data(), 2, 2, MissingValue{65535}}.missing(words[0]));
+    CHECK_FALSE(HeightView{words.data(), 2, 2, MissingValue{65536}}.missing(words[1]));
+    CHECK_FALSE(HeightView{words.data(), 2, 2, MissingValue<std::int16_t>{-32768}}.missing(words[3]));
+    const std::array<std::int32_t, 4> wide{-1, 0, 1, std::numeric_limits<std::int32_t>::min()};
+    CHECK_FALSE(HeightView{wide.data(), 2, 2, MissingValue{0xffffffffu}}.missing(wide[0]));
+    CHECK_FALSE(HeightView{wide.data(), 2, 2, MissingValue{~std::uint64_t{0}}}.missing(wide[0]));
+    CHECK(HeightView{wide.data(), 2, 2, MissingValue{std::int64_t{-1}}}.missing(wide[0]));
+    CHECK(HeightView{wide.data(), 2, 2, MissingValue{std::int8_t{-1}}}.missing(wide[0]));
+    CHECK_FALSE(HeightView{wide.data(), 2, 2, MissingValue{0x80000000u}}.missing(wide[3]));
+}
+
 TEST_CASE("height_view: takes const and mutable storage and works in constant expressions", "[height_view]") {
     static constexpr std::array<int, 6> samples{1, 2, 3, 4, 5, 6};
     constexpr HeightView view{samples.data(), 3, 2};

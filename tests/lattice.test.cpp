@@ -35,7 +35,19 @@ TEST_CASE("lattice: an endless range ends where a double no longer counts halves
     STATIC_REQUIRE(range.contains({0, 0}));
     STATIC_REQUIRE(range.contains({-1'000'000'000'000, 1'000'000'000'000}));
     CHECK(static_cast<Index>(static_cast<double>(range.last.i)) == range.last.i);
+    CHECK(range.last.i == 0x7'ffff'ffff'ffff);
+    CHECK(range.first.j == -0x7'ffff'ffff'ffff);
     CHECK(static_cast<Index>(static_cast<double>(range.first.j) + 0.5) != range.first.j);
+}
+
+TEMPLATE_TEST_CASE("lattice: an endless range leaves room for sums of four cell numbers, also in 32 bits",
+                   "[lattice][hard]", std::int16_t, std::int32_t, std::int64_t) {
+    using I = TestType;
+    constexpr I far = hfh::detail::farthest_cell<I>();
+    STATIC_REQUIRE(far > 0);
+    STATIC_REQUIRE(far <= (std::numeric_limits<I>::max() - 1000) / 4);
+    // A northing of 10 000 km in cells of 2 cm.
+    STATIC_REQUIRE((sizeof(I) < 4 || far > 500'000'000));
 }
 
 TEST_CASE("lattice: the default has lines at whole metres", "[lattice]") {
@@ -143,4 +155,33 @@ TEMPLATE_TEST_CASE("lattice: reaches what an index can count and refuses the res
         CHECK_FALSE(lattice.reaches(vec3<T>{bad, 0, 0}));
         CHECK_FALSE(lattice.reaches(vec3<T>{0, bad, 0}));
     }
+}
+
+namespace {
+
+// Called through pointers that are read at run time, so that the compiler does not know what goes in.
+[[gnu::noinline]] hfh::CellPoint<float> locate_made_here(const Lattice& lattice, const double* p) {
+    const vec3<float> at{static_cast<float>(p[0] * 0.25 + 1.0), static_cast<float>(p[1] * 0.25 + 1.0),
+                         static_cast<float>(p[2])};
+    return lattice.locate(at, {3, 4});
+}
+[[gnu::noinline]] hfh::CellPoint<float> locate_given(const Lattice& lattice, const vec3<float>& at) {
+    return lattice.locate(at, {3, 4});
+}
+
+} // namespace
+
+TEST_CASE("lattice: locates the float that it was given, not the double which that was made of",
+          "[lattice][hard]") {
+    // GCC 12 at -O2, inlined: u = 0.3 and v = 0.4 of the doubles, where the floats lie 0.003 m and 0.006 m from them.
+    const Lattice lattice{{1e5, 2e5}, {1, 1}};
+    const double p[3] = {4 * (1e5 + 3.3) - 4, 4 * (2e5 + 4.4) - 4, 0};
+    hfh::CellPoint<float> (*volatile locate)(const Lattice&, const double*) = locate_made_here;
+    const auto here = locate(lattice, p);
+    const auto given = locate_given(
+        lattice, {static_cast<float>(p[0] * 0.25 + 1.0), static_cast<float>(p[1] * 0.25 + 1.0), 0.0f});
+    CHECK(here.u == given.u);
+    CHECK(here.v == given.v);
+    CHECK(here.u == 0.296875f);
+    CHECK(here.v == 0.40625f);
 }

@@ -215,6 +215,18 @@ TEMPLATE_TEST_CASE("RaisedField: without a radius it is the field", "[raised_fie
         CHECK_FALSE(field.patch({-1, 3}));
         CHECK_FALSE(field.patch({11, 3}));
     }
+    // Between 1 and 1000 pieces to a cell, however many are asked for, and none where they are too small.
+    for (const auto& [asked, got] :
+         {std::pair{0, 1}, {-7, 1}, {1000, 1000}, {1001, 1000}, {2147483647, 1000}}) {
+        const RaisedField field{grid, T(0), asked};
+        CHECK(field.lattice().spacing().x == grid.lattice().spacing().x / got);
+    }
+    auto small = plane<T>(3, 3);
+    small.frame.spacing = glm::dvec2{4 / widen(longest<T>)};
+    const auto small_grid = small.grid();
+    CHECK_FALSE(RaisedField{small_grid, T(0), 4}.cells().empty());
+    CHECK(RaisedField{small_grid, T(0), 5}.cells().empty());
+    CHECK_FALSE(RaisedField{small_grid, T(0), 5}.patch({0, 0}));
     const auto nothing = plane<T>(1, 4);
     const auto nothing_grid = nothing.grid();
     const RaisedField empty{nothing_grid, T(2)};

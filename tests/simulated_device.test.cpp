@@ -150,7 +150,28 @@ TEST_CASE("SimulatedDevice: a model that makes no sense does not start", "[simul
         model.capabilities.delay = delay;
         CHECK_FALSE(starts(model));
     }
-    for (const double rate : {0.0, -1.0, std::nan("")}) CHECK_FALSE(starts(plain(rate)));
+    const double nan = std::nan(""), inf = HUGE_VAL;
+    for (const double rate : {0.0, -1.0, nan, inf}) CHECK_FALSE(starts(plain(rate)));
+    model = plain();
+    for (const double bad : {-1.0, nan, -inf}) {
+        model.capabilities.max_force = bad;
+        CHECK_FALSE(starts(model));
+    }
+    model.capabilities.max_force = inf;
+    CHECK(starts(model));
+    for (const double bad : {-1e-5, nan, inf}) {
+        model.capabilities.resolution = bad;
+        CHECK_FALSE(starts(model));
+    }
+    for (const double bad : {-0.1, nan, inf, 1e-310}) { // the last has no inverse
+        CHECK_FALSE(starts({.mass = bad, .capabilities = {.rate = 1000}}));
+    }
+    for (const double bad : {-0.1, nan, inf}) {
+        CHECK_FALSE(starts({.viscous = bad, .capabilities = {.rate = 1000}}));
+        CHECK_FALSE(starts({.dry = bad, .capabilities = {.rate = 1000}}));
+        CHECK_FALSE(starts(plain(), {bad, 0}));
+        CHECK_FALSE(starts(plain(), {300, bad}));
+    }
     CHECK_FALSE(starts({.mass = 0, .capabilities = {.rate = 1000}}));
     CHECK_FALSE(starts(plain(), {-1, 0}));
 }

@@ -115,6 +115,24 @@ TEST_CASE("SteadyPosition: a device comes to rest up to twice the stiffness that
     CHECK(trembling(1.9 * bound, true) == 0);
 }
 
+TEST_CASE("SteadyPosition: starts anew after what is no number", "[steady_position]") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    SteadyPosition steady{step}, fresh{step};
+    for (int k = 0; k < 9; ++k) (void)steady({k % 2 * step, 0, 0});
+    (void)steady({nan, nan, nan});
+    for (int k = 0; k < 9; ++k) {
+        const glm::dvec3 at{k % 2 * step, 0, 0};
+        CHECK(steady(at) == fresh(at));
+    }
+    // A position of 0 is one like every other, first or not.
+    constexpr double exact = 0x1p-15; // 1 + exact is a double
+    SteadyPosition at_zero{exact}, elsewhere{exact};
+    for (int k = 0; k < 9; ++k) {
+        const double x = k % 2 * exact;
+        CHECK(at_zero({x, 0, 0}).x == elsewhere({1 + x, 0, 0}).x - 1);
+    }
+}
+
 TEST_CASE("SteadyPosition: passes on what is no number, and allocates nothing", "[steady_position]") {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  inf = std::numeric_limits<double>::infinity();
@@ -123,11 +141,13 @@ TEST_CASE("SteadyPosition: passes on what is no number, and allocates nothing", 
     (void)steady({0, 0, 0});
     const glm::dvec3 bad = steady({nan, inf, -inf});
     const glm::dvec3 next = steady({step, step, 0});
-    SteadyPosition none{0}, odd{nan};
     bool passed = true;
-    for (int k = 0; k < 20; ++k) {
-        const glm::dvec3 at{k % 2 * step, 0, 0};
-        passed = passed && none(at) == at && odd(at) == at;
+    for (const double no_step : {0.0, -0.0, -step, nan, -nan, inf, -inf}) {
+        SteadyPosition none{no_step};
+        for (int k = 0; k < 20; ++k) {
+            const glm::dvec3 at{k % 2 * step, 0, 0};
+            passed = passed && none(at) == at;
+        }
     }
     steady.reset();
     (void)steady({0, 0, 0});

@@ -163,6 +163,22 @@ TEST_CASE("Workspace: a hand that is no number moves nothing, clutched or not", 
     }
 }
 
+TEST_CASE(
+    "Workspace: at scales that a double hardly holds gives no force that is no number, and stays usable",
+    "[workspace][hard]") {
+    Workspace<double> huge{{.scale = 1e308}};
+    CHECK(huge.status() == WorkspaceStatus::ok);
+    CHECK(huge.force_at_hand({0, 0, 10}) == glm::dvec3{0.0});
+    CHECK(huge.force_at_hand({0, 0, 1e-300}).z > 0);
+    // A hand so far away that no offset makes up for it, with the clutch held: it goes on when the hand is back.
+    const auto at = huge.update({0, 0, 0}, true);
+    CHECK_FALSE(is_finite(huge.update({100, 0, 0}, true)));
+    CHECK(huge.update({0, 0, 0}, true) == at);
+    const Workspace<float> tiny{{.scale = 1e-300}};
+    CHECK_FALSE(is_finite(tiny.terrain_stiffness(500)));
+    CHECK(is_finite(tiny.force_at_hand({0, 0, 1})));
+}
+
 TEST_CASE("Workspace: refuses what is no scale, no proper rotation, no place", "[workspace]") {
     const auto status = [](const WorkspaceFrame& frame) {
         const Workspace<double> workspace{frame};

@@ -14,8 +14,8 @@ namespace hfh {
 ///
 /// in a right-handed frame with z up.
 struct GridFrame {
-    glm::dvec2 origin{0.0};     ///< metres
-    glm::dvec2 spacing{1.0};    ///< metres, > 0
+    glm::dvec2 origin{0.0}; ///< metres
+    glm::dvec2 spacing{1.0}; ///< metres, > 0, from 2⁻³¹ to 2³¹ in float and from 2⁻²⁵⁵ to 2²⁵⁵ in double
     double height_scale = 1.0;  ///< metres per unit of a sample
     double height_offset = 0.0; ///< metres
 };
@@ -24,7 +24,7 @@ struct GridFrame {
 enum class GridStatus : unsigned char {
     ok,
     too_few_samples, ///< fewer than 2 columns or 2 rows
-    bad_spacing, ///< spacing not finite, not > 0, or (dx·dy)² or 1/spacing out of range; or origin not finite
+    bad_spacing,     ///< spacing not a number from 1/`longest` to `longest`; or origin not finite
     bad_height_scale ///< height scale or offset not finite, or too large for the range of an integer sample
 };
 
@@ -33,8 +33,8 @@ enum class GridStatus : unsigned char {
 /// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does
 /// not throw: a grid made from a bad frame says so in `status()` and is empty, so that nothing is ever felt.
 ///
-/// A sample is a hole where its source says so, and where it makes no height: NaN, infinity, and from `height_limit`
-/// metres on in size. So the "no data" value of a raster of float or double need not be declared if it is that large.
+/// A sample is a hole where its source says so, and where it makes no height: NaN, infinity, and from `longest` metres on in
+/// size (2³¹ in float, 2²⁵⁵ in double). So the "no data" value of a raster of float or double need not be declared if it is that large.
 template <Real T, HeightSource Heights>
 class BilinearGrid {
 public:
@@ -47,7 +47,7 @@ public:
                                                                  static_cast<T>(frame.height_offset)} {
         if (heights.columns() < 2 || heights.rows() < 2) {
             status_ = GridStatus::too_few_samples;
-        } else if (!lattice_.valid() || !squares_in_range(spacing_.x * spacing_.y)) {
+        } else if (!lattice_.valid() || !spacing_in_range<T>(frame.spacing)) {
             status_ = GridStatus::bad_spacing;
         } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !all_integers(is_finite<T>)) {
             status_ = GridStatus::bad_height_scale;
@@ -129,11 +129,6 @@ private:
         using Limits = std::numeric_limits<SampleType>;
         return std::is_floating_point_v<SampleType> ||
                (test(metres(Limits::lowest())) && test(metres(Limits::max())));
-    }
-
-    /// The determinant of Eq. (11) is (dx·dy)² at the least: that must be a number.
-    [[nodiscard]] static constexpr bool squares_in_range(T area) noexcept {
-        return area > 0 && area * area >= std::numeric_limits<T>::min() && is_finite(area * area);
     }
 
     Heights heights_;

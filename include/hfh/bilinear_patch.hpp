@@ -68,9 +68,8 @@ struct BilinearPatch {
 
 /// The same patch in double.
 template <Real T>
-[[nodiscard]] constexpr BilinearPatch<double> widened(const BilinearPatch<T>& p) noexcept {
-    return {static_cast<double>(p.p00), static_cast<double>(p.p10), static_cast<double>(p.p01),
-            static_cast<double>(p.p11), glm::dvec2{p.spacing}};
+[[nodiscard]] constexpr BilinearPatch<double> widen(const BilinearPatch<T>& p) noexcept {
+    return {widen(p.p00), widen(p.p10), widen(p.p01), widen(p.p11), {widen(p.spacing.x), widen(p.spacing.y)}};
 }
 
 } // namespace hfh

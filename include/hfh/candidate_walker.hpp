@@ -277,13 +277,13 @@ void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2
 /// `visit(const CellSpan&, const BilinearPatch<Scalar>&)` returns true to go on, false to stop.
 template <HeightField Field, Real T, class Visitor>
 void walk_candidates(const Field& field, const vec3<T>& a, const vec3<T>& b, Visitor&& visit) noexcept {
-    const glm::dvec3 from{a}, to{b};
+    const glm::dvec3 from = widen(a), to = widen(b);
     walk_cells(field.lattice(), field.cells(), {from.x, from.y}, {to.x, to.y}, [&](const CellSpan& span) {
         const auto patch = field.patch(span.cell);
         if (!patch) return true;
         const double z_in = (1 - span.t_in) * from.z + span.t_in * to.z;
         const double z_out = (1 - span.t_out) * from.z + span.t_out * to.z;
-        return glm::min(z_in, z_out) > static_cast<double>(patch->highest()) || visit(span, *patch);
+        return glm::min(z_in, z_out) > widen(patch->highest()) || visit(span, *patch);
     });
 }
 

@@ -53,7 +53,9 @@ public:
         cell_blur_ = 32 * epsilon<double> *
                      (std::abs(static_cast<double>(along.base)) + std::abs(static_cast<double>(across.base)) +
                       length + 4);
-        z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_);
+        // Denormal heights have a rounding of their own size.
+        z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_) +
+                  std::numeric_limits<double>::min();
         z_low_ = glm::min(az, bz) - z_blur_;
         z_high_ = glm::max(az, bz) + z_blur_;
     }
@@ -114,8 +116,7 @@ template <HeightField Field>
     const auto patch = field.patch(cell);
     if (!patch) return false;
     // Corner by corner, not `highest`: GCC would put them into a vector and take them out again.
-    return static_cast<double>(patch->p00) < z && static_cast<double>(patch->p10) < z &&
-           static_cast<double>(patch->p01) < z && static_cast<double>(patch->p11) < z;
+    return widen(patch->p00) < z && widen(patch->p10) < z && widen(patch->p01) < z && widen(patch->p11) < z;
 }
 
 /// The cells of a range across the segment.
@@ -168,7 +169,7 @@ public:
     Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {
         if constexpr (BoundedHeightField<Field>) {
             levels_ = field.levels();
-            if (levels_ == 0) cells_to_ = CellRange::endless().last.i;
+            if (levels_ == 0) cells_to_ = std::numeric_limits<Index>::max() / 2; // beyond every column
         }
     }
 
@@ -271,8 +272,8 @@ private:
                 const auto between = block_range(along, first + 1, first + 1);
                 range = {glm::min(range.lowest, between.lowest), glm::max(range.highest, between.highest)};
             }
-            const bool passed = side == Side::above ? static_cast<double>(range.highest) < part.lowest
-                                                    : part.highest < static_cast<double>(range.lowest);
+            const bool passed =
+                side == Side::above ? widen(range.highest) < part.lowest : part.highest < widen(range.lowest);
             if (!passed) return clear;
             clear += width;
             if (clear == count) return clear;

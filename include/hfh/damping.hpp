@@ -88,8 +88,8 @@ struct Damping {
     [[nodiscard]] Force<T> operator()(const ForceEvaluator<T>& spring, const Contact<T>& contact,
                                       const vec3<T>& velocity) const noexcept {
         const Force<T> undamped = spring(contact);
-        const bool usable = is_finite(along_normal) && along_normal >= 0 && is_finite(tangential) &&
-                            tangential >= 0 && is_finite(velocity);
+        const bool usable =
+            is_at_least_zero(along_normal) && is_at_least_zero(tangential) && is_finite(velocity);
         if (!contact.touching() || !usable || undamped.newtons == vec3<T>{T(0)}) return undamped;
 
         const vec3<T> elastic = spring.stiffness * contact.penetration;

@@ -15,14 +15,15 @@ namespace hfh {
 
 /// What the hand and the device can do between two updates, and what a tank may give. All are the user's.
 struct EnergyTankOptions {
-    double largest_step = 1e-3; ///< metres: the farthest that the position moves in one update
-    /// Metres: the most by which the step of one update differs from the step before, T²·(largest acceleration), plus
-    /// twice the resolution. Infinite: nothing is known of that.
+    /// Metres, > 0 and finite: the farthest that the position moves in one update.
+    double largest_step = 1e-3;
+    /// Metres, ≥ 0: the most by which the step of one update differs from the step before, T²·(largest acceleration),
+    /// plus twice the resolution. Infinite: nothing is known of that.
     double largest_turn = std::numeric_limits<double>::infinity();
-    /// Joules, ≥ 0, that may be given before any was taken. As it stands the energy stays above −10⁻⁹ J: the other half
-    /// of that is for the rounding of 10⁷ updates.
+    /// Joules, ≥ 0 and finite, that may be given before any was taken. As it stands the energy stays above −10⁻⁹ J: the
+    /// other half of that is for the rounding of 10⁷ updates.
     double allowance = 0.5e-9;
-    double capacity = 0.1; ///< joules: what is taken beyond that is not remembered
+    double capacity = 0.1; ///< joules, ≥ 0: what is taken beyond that is not remembered; ∞ for no limit
 };
 
 /// A force that the tank can bear, and whether that is less than was wanted.
@@ -58,6 +59,13 @@ class EnergyTank {
 public:
     constexpr explicit EnergyTank(const EnergyTankOptions& options = {}) noexcept : options_{options} {}
 
+    /// Whether the options are in range. If they are not, no force passes, ever.
+    [[nodiscard]] constexpr bool usable() const noexcept {
+        return is_at_least_zero(options_.largest_step) && options_.largest_step > 0 &&
+               is_upper_limit(options_.largest_turn) && is_at_least_zero(options_.allowance) &&
+               is_upper_limit(options_.capacity);
+    }
+
     /// One update: the device is at `position` and `newtons` is wanted until the next one. No force where either is no
     /// number; the force before is then charged with the most that it can have given.
     [[nodiscard]] TankForce operator()(const glm::dvec3& position, const glm::dvec3& newtons) noexcept {
@@ -70,6 +78,7 @@ public:
         const double length = glm::length(newtons);
         if (!is_finite(newtons) || !is_finite(length)) return {{}, true};
         if (!(length > 0)) return {};
+        if (!usable()) return {{}, true};
         const double reach = reach_along(newtons / length);
         const double most =
             std::max(0.0, level_ + options_.allowance) * (1 - 0x1p-40); // less the rounding of what follows

@@ -119,19 +119,18 @@ struct Judge {
 
         const double z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
         const double z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
-        if (side != Side::below && glm::min(z_in, z_out) > static_cast<double>(p.highest())) {
+        if (side != Side::below && glm::min(z_in, z_out) > widen(p.highest())) {
             side = Side::above;
             leaving = false;
             return true;
         }
-        if (side != Side::above && glm::max(z_in, z_out) < static_cast<double>(p.lowest())) {
+        if (side != Side::above && glm::max(z_in, z_out) < widen(p.lowest())) {
             side = Side::below;
             leaving = false;
             return true;
         }
 
-        const BilinearPatch<double> patch{static_cast<double>(p.p00), static_cast<double>(p.p10),
-                                          static_cast<double>(p.p01), static_cast<double>(p.p11)};
+        const BilinearPatch<double> patch{widen(p.p00), widen(p.p10), widen(p.p01), widen(p.p11)};
         glm::dvec2 from = span.in;
         double t = span.t_in;
         double f0 = z_in - patch.height(from.x, from.y);

@@ -17,14 +17,17 @@ struct Force {
 
 /// Contact → force: F = stiffness · (proxy − stylus), shortened to max_force.
 ///
-/// Zero when not touching, and when the stiffness or the maximum is no number to go by. Has no state, does not throw.
+/// Zero when not touching, and when the stiffness is below 0 or not finite, or the maximum is below 0 or NaN: never a
+/// pull into the surface, never more than max_force. Has no state, does not throw.
 template <Real T>
 struct ForceEvaluator {
-    T stiffness = T(500);                        ///< N/m, ≥ 0
-    T max_force = std::numeric_limits<T>::max(); ///< N, ≥ 0: what the device can give (Touch: 3.3)
+    T stiffness = T(500); ///< N/m, ≥ 0
+    T max_force =
+        std::numeric_limits<T>::max(); ///< N, ≥ 0: what the device can give (Touch: 3.3); ∞ for no limit
 
     [[nodiscard]] constexpr Force<T> operator()(const Contact<T>& contact) const noexcept {
-        const bool usable = is_finite(stiffness) && max_force >= 0 && is_finite(contact.depth);
+        const bool usable =
+            is_at_least_zero(stiffness) && is_upper_limit(max_force) && is_finite(contact.depth);
         if (!contact.touching() || !usable) return {};
         const bool clamped = stiffness * contact.depth > max_force;
         const vec3<T> newtons = contact.penetration * (clamped ? max_force / contact.depth : stiffness);

@@ -70,8 +70,8 @@ public:
                                   const vec3<T>& stylus) noexcept {
         static_assert(std::same_as<typename Field::Scalar, T>, "friction and field have one scalar");
         if (contact.status == ContactStatus::bad_input) return contact;
-        const bool usable = is_finite(coefficients_.at_rest) && coefficients_.at_rest >= 0 &&
-                            is_finite(coefficients_.sliding) && coefficients_.sliding >= 0;
+        const bool usable =
+            is_at_least_zero(coefficients_.at_rest) && is_at_least_zero(coefficients_.sliding);
         if (!contact.touching() || !usable) {
             reset();
             return contact;

@@ -142,7 +142,7 @@ template <Real T>
 [[nodiscard]] GlobalClosestPoint<T> global_closest_point(const BilinearPatch<T>& patch,
                                                          const CellPoint<T>& query) noexcept {
     using detail::Interval;
-    const auto wide = [](T x) { return static_cast<double>(x); };
+    const auto wide = [](T x) { return widen(x); };
     const BilinearPatch<double> wide_patch{wide(patch.p00),
                                            wide(patch.p10),
                                            wide(patch.p01),

@@ -36,14 +36,31 @@ struct NeverMissing {
     }
 };
 
-/// Samples equal to `value` are holes: the "no data" value of a raster.
+/// Samples equal to `value` are holes: the "no data" value of a raster. It is of the samples' own type, or both are
+/// integers, which are compared as numbers; anything else does not compile. For converted to the type of the value a
+/// float of half a metre would be the int 0, and no float is the double −3.4·10³⁸. So for float samples write
+/// `MissingValue{-9999.0f}`.
 template <Sample S>
 struct MissingValue {
     S value;
-    [[nodiscard]] constexpr bool operator()(S sample) const noexcept { return sample == value; }
+
+    template <class Other>
+    [[nodiscard]] constexpr bool operator()(Other sample) const noexcept requires std::same_as<Other, S> ||
+        (std::integral<Other>&& std::integral<S>) {
+        if constexpr (std::same_as<Other, S>) {
+            return sample == value;
+        } else {
+            using Wide = unsigned long long;
+            return (sample < 0) == (value < 0) && static_cast<Wide>(sample) == static_cast<Wide>(value);
+        }
+    }
 };
 template <class S>
 MissingValue(S) -> MissingValue<S>;
+
+/// A predicate that tells holes among samples of type S. A `MissingValue` of a type that does not fit is none.
+template <class Missing, class S>
+concept TellsHoles = std::predicate<const Missing&, S>;
 
 /// A strided view on `columns` × `rows` samples of the user's own storage.
 ///
@@ -56,7 +73,7 @@ MissingValue(S) -> MissingValue<S>;
 ///
 /// `Missing` is a predicate on a sample that tells a hole. The view owns nothing, copies nothing and keeps
 /// no more than the numbers above; the storage must outlive it and may change under it between updates.
-template <Sample S, class Missing = NeverMissing>
+template <Sample S, TellsHoles<S> Missing = NeverMissing>
 class HeightView {
 public:
     using SampleType = S;
@@ -112,11 +129,10 @@ template <class S>
 HeightView(S*, Index, Index, Index, Index) -> HeightView<std::remove_cv_t<S>>;
 template <class S>
 HeightView(S*, Index, Index) -> HeightView<std::remove_cv_t<S>>;
-template <class S, class Missing>
+template <class S, TellsHoles<std::remove_cv_t<S>> Missing>
 HeightView(S*, Index, Index, Index, Index, Missing) -> HeightView<std::remove_cv_t<S>, Missing>;
-template <class S, class Missing>
-    requires std::predicate<Missing, S> HeightView(S*, Index, Index, Missing)
-->HeightView<std::remove_cv_t<S>, Missing>;
+template <class S, TellsHoles<std::remove_cv_t<S>> Missing>
+HeightView(S*, Index, Index, Missing) -> HeightView<std::remove_cv_t<S>, Missing>;
 
 } // namespace hfh
 

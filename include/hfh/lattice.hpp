@@ -3,12 +3,30 @@
 
 #include <hfh/scalar.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <concepts>
 
 // Where the grid lines are: the "direct 1-1 mapping from 2 to 3 space and back" of [P] §4.1 with origin and
 // spacing kept, Eq. (6)-(7) in metres.
 
 namespace hfh {
+
+namespace detail {
+
+/// The last cell of a field without a border: 2⁵¹ − 1, the last whose middle a double still counts, or as far as cells
+/// of type I can be numbered. The sums of the algorithms need four times as much and a little more.
+template <std::signed_integral I>
+[[nodiscard]] constexpr I farthest_cell() noexcept {
+    constexpr I countable = std::numeric_limits<I>::max() / 4 - 1024;
+    if constexpr (std::numeric_limits<I>::digits > 53) {
+        return std::min(countable, (I{1} << 51) - 1);
+    } else {
+        return countable;
+    }
+}
+
+} // namespace detail
 
 /// Cell (i, j) lies between samples (i, j) and (i+1, j+1).
 struct Cell {
@@ -27,9 +45,10 @@ struct CellRange {
     }
     [[nodiscard]] constexpr bool empty() const noexcept { return last.i <= first.i || last.j <= first.j; }
 
-    /// For a field that has no border (a formula): every cell whose number a double holds exactly.
+    /// For a field that has no border (a formula): 2⁵¹ cells to every side, where an Index has 32 bits 5·10⁸. That is
+    /// 5000 km of cells of a centimetre.
     [[nodiscard]] static constexpr CellRange endless() noexcept {
-        constexpr Index far = std::numeric_limits<Index>::max() >> 12;
+        constexpr Index far = detail::farthest_cell<Index>();
         return {{-far, -far}, {far, far}};
     }
 };
@@ -41,6 +60,14 @@ struct CellPoint {
     T v{};
     T z{};
 };
+
+/// Whether patches of this spacing can be computed with: each of dx and dy between 1/`longest` and `longest`.
+template <Real T>
+[[nodiscard]] constexpr bool spacing_in_range(const glm::dvec2& spacing) noexcept {
+    constexpr double most = widen(longest<T>), least = 1 / most;
+    return is_finite(spacing.x) && is_finite(spacing.y) && least <= spacing.x && spacing.x <= most &&
+           least <= spacing.y && spacing.y <= most;
+}
 
 /// The horizontal frame of a height field: grid line i is x = x₀ + i·dx, grid line j is y = y₀ + j·dy.
 ///
@@ -76,16 +103,14 @@ public:
     /// The point p seen from cell c. Eq. (6)-(7) [P] solved for u and v.
     template <Real T>
     [[nodiscard]] constexpr CellPoint<T> locate(const vec3<T>& p, Cell c) const noexcept {
-        return {static_cast<T>(u_of(static_cast<double>(p.x), c.i)),
-                static_cast<T>(v_of(static_cast<double>(p.y), c.j)), p.z};
+        return {static_cast<T>(u_of(widen(p.x), c.i)), static_cast<T>(v_of(widen(p.y), c.j)), p.z};
     }
 
     /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
         constexpr double far = static_cast<double>(CellRange::endless().last.i);
-        const double u = (static_cast<double>(p.x) - origin_.x) * per_metre_.x,
-                     v = (static_cast<double>(p.y) - origin_.y) * per_metre_.y;
+        const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
         return -far < u && u < far && -far < v && v < far;
     }
 

@@ -36,10 +36,10 @@ struct MovingMass {
 
     /// Whether all is in range, for times up to `seconds`: numbers ≥ 0, a mass, and no faster than 500/`seconds`.
     [[nodiscard]] bool valid(double seconds) const noexcept {
-        const bool numbers = is_finite(mass) && is_finite(viscous) && is_finite(dry) && is_finite(spring) &&
-                             is_finite(damper) && is_finite(seconds);
-        return numbers && mass > 0 && viscous >= 0 && dry >= 0 && spring >= 0 && damper >= 0 && seconds > 0 &&
-               fastest() * seconds <= 500;
+        for (const double number : {mass, viscous, dry, spring, damper, seconds}) {
+            if (!is_at_least_zero(number)) return false;
+        }
+        return mass > 0 && is_finite(1 / mass) && seconds > 0 && fastest() * seconds <= 500;
     }
 
     /// The state after `seconds`, in which `newtons` acts and p goes from `from` to `to`. Precondition:

@@ -94,7 +94,7 @@ public:
         if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !is_height(stylus.z)) {
             return {.status = ContactStatus::bad_input};
         }
-        const glm::dvec3 to{stylus};
+        const glm::dvec3 to = widen(stylus);
         if (state_.phase == Phase::contact) return follow(state_.swept_to, stylus, 0);
         if (state_.touching()) return resume(stylus);
         if (state_.phase == Phase::unseen) state_.swept_to = to;
@@ -122,7 +122,7 @@ private:
 
     /// Free, with something in the way, or near it. Not inlined, so that an update that meets nothing needs no stack.
     [[nodiscard, gnu::noinline]] Contact<Scalar> search(const vec3<Scalar>& stylus) noexcept {
-        const glm::dvec3 from = state_.swept_to, to{stylus};
+        const glm::dvec3 from = state_.swept_to, to = widen(stylus);
         const bool went_on = state_.phase == Phase::searching;
         const auto hit = cast(from, to, {.side = state_.side}, work_allowed());
         const int patches = static_cast<int>(hit.cells);
@@ -163,7 +163,7 @@ private:
     [[nodiscard, gnu::noinline]] Contact<Scalar> follow(const glm::dvec3& before, const vec3<Scalar>& stylus,
                                                         int patches) noexcept {
         Work work{.patches = patches, .slide = slide_allowance(before, stylus)};
-        state_.swept_to = glm::dvec3{stylus};
+        state_.swept_to = widen(stylus);
         DescentProgress<Scalar> progress;
         const auto found =
             detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, slide_work(work)), progress);
@@ -182,7 +182,7 @@ private:
     /// In contact, with something left to do.
     [[nodiscard, gnu::noinline]] Contact<Scalar> resume(const vec3<Scalar>& stylus) noexcept {
         const bool releasing = state_.phase == Phase::releasing;
-        const glm::dvec3 to{stylus};
+        const glm::dvec3 to = widen(stylus);
         if (!releasing && to != state_.swept_to) {
             state_.phase = Phase::contact;
             return follow(state_.swept_to, stylus, 0);
@@ -214,7 +214,7 @@ private:
             work.patches += found.patches;
             work.slide -= found.patches;
             state_.proxy = found.point;
-            state_.swept_to = glm::dvec3{stylus};
+            state_.swept_to = widen(stylus);
             const Scalar squared = glm::dot(found.offset, found.offset);
             // A user's own field may have heights that are none.
             if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole ||
@@ -238,7 +238,7 @@ private:
             }
             // Outside this face: free, unless another one lies between.
             state_.phase = Phase::releasing;
-            state_.swept_to = glm::dvec3{stylus} + glm::dvec3{found.offset};
+            state_.swept_to = widen(stylus) + widen(found.offset);
             state_.side_there = state_.side;
             state_.left = squared;
             state_.left_one = left_one = true;
@@ -273,14 +273,13 @@ private:
     /// Goes on with the search from a minimum that does not hold the stylus. If there is another face, the proxy is on it.
     [[nodiscard, gnu::noinline]] FirstHit<Scalar> search_beyond(const vec3<Scalar>& stylus, int max_cells,
                                                                 int& patches) noexcept {
-        const glm::dvec3 to{stylus};
+        const glm::dvec3 to = widen(stylus);
         const auto patch = field_->patch(state_.proxy.cell);
         const Scalar blur = patch ? rounding(offset_from(stylus, *patch), *patch) : Scalar(0);
         const auto hit =
             cast(state_.swept_to, to,
                  {.side = state_.side_there,
-                  .leaves_within = static_cast<double>(blur) +
-                                   8 * epsilon<double> * std::abs(static_cast<double>(stylus.z))},
+                  .leaves_within = widen(blur) + 8 * epsilon<double> * std::abs(widen(stylus.z))},
                  glm::max(1, max_cells));
         patches += static_cast<int>(hit.cells);
         if (hit.status == HitStatus::hit) {
@@ -314,7 +313,7 @@ private:
     /// How many patches the proxy may slide over in an update in which the stylus moved here from `before`.
     [[nodiscard]] int slide_allowance(const glm::dvec3& before, const vec3<Scalar>& stylus) const noexcept {
         if (options_.max_slide >= work_allowed()) return work_allowed();
-        const glm::dvec3 way = glm::dvec3{stylus} - before;
+        const glm::dvec3 way = widen(stylus) - before;
         const glm::dvec2 per_metre = field_->lattice().cells_per_metre();
         const double cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
         return static_cast<int>(glm::min(static_cast<double>(glm::max(options_.max_slide, 1)) + 2 * cells,
@@ -325,7 +324,7 @@ private:
     /// the proxy is on its way the plane at it does not tell, for the stylus is far from there.
     [[nodiscard, gnu::noinline]] bool covered(const vec3<Scalar>& stylus) const noexcept {
         const Lattice& lattice = field_->lattice();
-        const glm::dvec3 at{stylus};
+        const glm::dvec3 at = widen(stylus);
         const double u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
         // On a grid line cells on both sides are over it; beside a hole one of them has no patch.
         const auto last = Cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
@@ -335,12 +334,12 @@ private:
             for (Index i = first.i; i <= last.i; ++i) {
                 const auto found = field_->patch({i, j});
                 if (!found) continue;
-                const auto p = widened(*found);
+                const auto p = widen(*found);
                 const double above = p.height(lattice.u_of(at.x, i), lattice.v_of(at.y, j)) - at.z;
                 // Of the height here, and of the offset from which the depth comes out in the end.
                 const double rounding =
                     8 * epsilon<double> * (std::abs(p.highest()) + std::abs(p.lowest()) + std::abs(at.z)) +
-                    8 * static_cast<double>(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
+                    8 * widen(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
                 if (state_.side == Side::below ? above < -rounding : above > rounding) return true;
             }
         }
@@ -389,7 +388,7 @@ private:
     [[nodiscard]] Contact<Scalar> let_go(Side side, const vec3<Scalar>& stylus, int patches) noexcept {
         state_.phase = Phase::free;
         state_.side = side;
-        state_.swept_to = glm::dvec3{stylus};
+        state_.swept_to = widen(stylus);
         const bool buried = side == Side::below && options_.surface == SurfaceKind::solid;
         return without_contact(side == Side::none ? ContactStatus::off_surface
                                : buried           ? ContactStatus::buried
@@ -399,7 +398,7 @@ private:
 
     /// The proxy has slid off a rim: the stylus is wherever it is.
     [[nodiscard]] Contact<Scalar> leave(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept {
-        const glm::dvec3 here{stylus};
+        const glm::dvec3 here = widen(stylus);
         const auto hit = cast(here, here, {}, 1);
         Contact<Scalar> left = let_go(hit.side, stylus, patches + static_cast<int>(hit.cells));
         left.status =

@@ -42,11 +42,13 @@ class RaisedField {
 public:
     using Scalar = typename Field::Scalar;
 
-    /// `radius` in metres; not finite or below 0 counts as 0, more than 1000 cells as 1000. `subdivisions` ≥ 1.
+    /// `radius` in metres; not finite or below 0 counts as 0, more than 1000 cells as 1000. `subdivisions` from 1 to
+    /// 1000; what is less counts as 1, what is more as 1000. If the fine cells are too small to be computed with
+    /// (`spacing_in_range`), there are none.
     constexpr RaisedField(const Field& field, Scalar radius, int subdivisions = 1) noexcept
         : field_{&field}, radius_{is_finite(radius) && radius > 0 ? std::min(radius, widest(field))
                                                                   : Scalar(0)},
-          finer_{std::max(subdivisions, 1)} {}
+          finer_{std::clamp(subdivisions, 1, 1000)} {}
     RaisedField(const Field&&, Scalar, int = 1) = delete; // the field must outlive this one
 
     [[nodiscard]] constexpr Lattice lattice() const noexcept {
@@ -55,9 +57,9 @@ public:
     }
     [[nodiscard]] constexpr CellRange cells() const noexcept {
         const CellRange inside = field_->cells();
-        if (inside.empty()) return {};
+        if (inside.empty() || !spacing_in_range<Scalar>(lattice().spacing())) return {};
         const glm::dvec2 reach =
-            static_cast<double>(radius_) * finer_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
+            widen(radius_) * finer_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
         return {{stretched(inside.first.i, -reach.x), stretched(inside.first.j, -reach.y)},
                 {stretched(inside.last.i, reach.x), stretched(inside.last.j, reach.y)}};
     }

@@ -77,10 +77,13 @@ public:
         : model_{model}, axis_{model.mass, model.viscous, model.dry, grip.stiffness, grip.damping},
           path_{std::move(path)}, seconds_{seconds}, hand_{path_(0.0)}, position_{hand_} {}
 
+    /// Whether model, grip, path and time are in range: `seconds` ≥ 0, ∞ for until the tick stops it, and what
+    /// `DeviceModel` and `MovingMass::valid` say.
     [[nodiscard]] bool valid() const noexcept {
         const DeviceCapabilities& c = model_.capabilities;
-        return is_finite(c.rate) && c.rate > 0 && axis_.valid(period()) && c.max_force >= 0 &&
-               c.resolution >= 0 && 0 <= c.delay && c.delay <= max_delay && is_finite(hand_) && seconds_ >= 0;
+        return is_at_least_zero(c.rate) && c.rate > 0 && axis_.valid(period()) &&
+               is_upper_limit(c.max_force) && is_at_least_zero(c.resolution) && 0 <= c.delay &&
+               c.delay <= max_delay && is_finite(hand_) && is_upper_limit(seconds_);
     }
     [[nodiscard]] DeviceCapabilities capabilities() const noexcept { return model_.capabilities; }
     [[nodiscard]] double period() const noexcept { return 1 / model_.capabilities.rate; }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 // Based on: Abbott, Okamura, Effects of position quantization and sampling rate on virtual-wall passivity, 2005: a wall
 // of stiffness K, felt through encoders with steps of q and dry friction f, is at rest wherever it is pressed only if
@@ -24,11 +23,13 @@ namespace hfh {
 /// that too, but lags on every way and so feeds a light grip with energy.
 ///
 /// For where positions come back to the bit, as counts do. The first link behind the device; a passivity controller has
-/// to go by the position as told. What is no number is passed on. Does not throw, does not allocate.
+/// to go by the position as told. What is no number is passed on, and what was before it is forgotten. Does not throw,
+/// does not allocate.
 class SteadyPosition {
 public:
-    /// The length of a step of the encoders in metres, where it is largest. 0 or no number: passes everything on.
-    constexpr explicit SteadyPosition(double step) noexcept : step_{step} {}
+    /// The length of a step of the encoders in metres, where it is largest. Not above 0 or not finite: passes everything
+    /// on.
+    constexpr explicit SteadyPosition(double step) noexcept : step_{is_at_least_zero(step) ? step : 0.0} {}
 
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) noexcept {
         glm::dvec3 steady;
@@ -44,16 +45,21 @@ private:
     static constexpr int enough = 3;
 
     struct Axis {
-        double before = std::numeric_limits<double>::quiet_NaN(); ///< the value before the last change
-        double last = std::numeric_limits<double>::quiet_NaN();
-        int turns = 0; ///< changes back to the value before, one after the other
+        double last = 0, before = 0; ///< the value of now, and the one before the last change
+        int values = 0;              ///< how many of these two there have been
+        int turns = 0;               ///< changes back to the value before, one after the other
 
         [[nodiscard]] double next(double x, double widest) noexcept {
-            if (x != last) {
-                const bool back = x == before && std::abs(before - last) <= widest;
+            if (!is_finite(x)) {
+                *this = {};
+                return x;
+            }
+            if (values == 0 || x != last) {
+                const bool back = values == 2 && x == before && std::abs(before - last) <= widest;
                 turns = back ? std::min(turns + 1, enough) : 0;
                 before = last;
                 last = x;
+                values = std::min(values + 1, 2);
             }
             return turns == enough ? 0.5 * before + 0.5 * last : x;
         }

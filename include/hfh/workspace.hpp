@@ -85,7 +85,8 @@ public:
     [[nodiscard]] vec3<T> update(const glm::dvec3& hand, bool clutch = false) noexcept {
         if (is_finite(hand)) {
             if (clutch && !clutched_) held_ = to_terrain(hand);
-            if (clutch) frame_.offset = held_ - turned(hand);
+            const glm::dvec3 offset = held_ - turned(hand);
+            if (clutch && is_finite(offset)) frame_.offset = offset;
             clutched_ = clutch;
         }
         return vec3<T>{to_terrain(hand)};
@@ -101,12 +102,13 @@ public:
     [[nodiscard]] vec3<T> velocity_on_terrain(const glm::dvec3& velocity) const noexcept {
         return clutched_ ? vec3<T>{0} : vec3<T>{turned(velocity)};
     }
-    /// N on the terrain → N at the hand: s · Rᵀ · F.
+    /// N on the terrain → N at the hand: s · Rᵀ · F. None if that is not finite.
     [[nodiscard]] glm::dvec3 force_at_hand(const vec3<T>& newtons) const noexcept {
-        if (status_ != WorkspaceStatus::ok) return glm::dvec3{0.0};
-        return frame_.scale * (glm::dvec3{newtons} * frame_.rotation);
+        const glm::dvec3 at_hand = frame_.scale * (widen(newtons) * frame_.rotation);
+        return status_ == WorkspaceStatus::ok && is_finite(at_hand) ? at_hand : glm::dvec3{0.0};
     }
-    /// What the terrain's stiffness (or damping) has to be for this one at the hand: k/s².
+    /// What the terrain's stiffness (or damping) has to be for this one at the hand: k/s². With a scale so small that T
+    /// does not hold that it is ∞, for which a `ForceEvaluator` gives no force.
     [[nodiscard]] T terrain_stiffness(double at_hand) const noexcept {
         return static_cast<T>(at_hand / frame_.scale / frame_.scale);
     }

@@ -74,7 +74,10 @@ template <Real T>
             const auto height = [&](Index column, Index row) { return Exact(terrain.at(column, row)); };
             const Exact p00 = height(i, j), p10 = height(i + 1, j), p01 = height(i, j + 1),
                         p11 = height(i + 1, j + 1);
-            if (!std::isfinite(p00 + p10 + p01 + p11)) continue;
+            if (!holds_number(terrain.at(i, j)) || !holds_number(terrain.at(i + 1, j)) ||
+                !holds_number(terrain.at(i, j + 1)) || !holds_number(terrain.at(i + 1, j + 1))) {
+                continue;
+            }
             const Exact A = p11 - p10 - p01 + p00, B = p10 - p00, C = p01 - p00; // Eq. (2)-(5) [P]
             pieces.push_back({t_in, t_out, from.z - (u0 * v0 * A + u0 * B + v0 * C + p00),
                               to.z - from.z - ((u0 * dv + du * v0) * A + du * B + dv * C), -du * dv * A});

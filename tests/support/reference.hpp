@@ -192,8 +192,9 @@ public:
     [[nodiscard]] std::optional<WidePatch> patch(Index i, Index j) const {
         if (!in_grid(i, j)) return {};
         const WidePatch p{sample(i, j), sample(i + 1, j), sample(i, j + 1), sample(i + 1, j + 1), dx(), dy()};
-        const bool all = is_height(p.p00) && is_height(p.p10) && is_height(p.p01) && is_height(p.p11);
-        return all ? std::optional{p} : std::nullopt;
+        const bool heights =
+            has_height(i, j) && has_height(i + 1, j) && has_height(i, j + 1) && has_height(i + 1, j + 1);
+        return heights ? std::optional{p} : std::nullopt;
     }
     [[nodiscard]] Wide dx() const { return static_cast<Wide>(terrain_->frame.spacing.x); }
     [[nodiscard]] Wide dy() const { return static_cast<Wide>(terrain_->frame.spacing.y); }
@@ -375,8 +376,9 @@ public:
     }
 
 private:
-    [[nodiscard]] static bool is_height(Wide metres) {
-        return std::abs(metres) < static_cast<Wide>(no_height_from<S>);
+    [[nodiscard]] bool has_height(Index i, Index j) const {
+        return holds_number(terrain_->at(i, j)) &&
+               std::abs(sample(i, j)) < static_cast<Wide>(no_height_from<S>);
     }
     [[nodiscard]] Wide sample(Index i, Index j) const {
         return static_cast<Wide>(terrain_->frame.height_offset) +

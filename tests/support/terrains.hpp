@@ -1,6 +1,7 @@
 #ifndef HFH_TESTS_SUPPORT_TERRAINS_HPP
 #define HFH_TESTS_SUPPORT_TERRAINS_HPP
 
+#include "numbers.hpp"
 #include "random.hpp"
 
 #include <hfh/bilinear_grid.hpp>
@@ -28,7 +29,7 @@ struct Terrain {
     [[nodiscard]] T& at(Index i, Index j) { return heights[static_cast<std::size_t>(i + j * columns)]; }
     [[nodiscard]] T at(Index i, Index j) const { return heights[static_cast<std::size_t>(i + j * columns)]; }
     /// Takes sample (i, j) out: the up to four patches around it become a hole.
-    void remove(Index i, Index j) { at(i, j) = std::numeric_limits<T>::quiet_NaN(); }
+    void remove(Index i, Index j) { at(i, j) = hidden_nan<T>(); }
 
     /// Extent in metres.
     [[nodiscard]] glm::dvec2 low() const { return frame.origin; }
@@ -48,7 +49,8 @@ template <Real T>
     for (const T sample : terrain.heights) {
         const double metres =
             terrain.frame.height_offset + terrain.frame.height_scale * static_cast<double>(sample);
-        if (!(std::abs(metres) < static_cast<double>(no_height_from<T>))) return false;
+        if (!holds_number(sample) || !(std::abs(metres) < static_cast<double>(no_height_from<T>)))
+            return false;
     }
     return true;
 }
@@ -165,7 +167,7 @@ template <Real T>
 void punch_holes(Terrain<T>& terrain, std::int64_t n, std::uint64_t seed) {
     Random random{seed};
     for (auto& height : terrain.heights) {
-        if (random.one_in(n)) height = std::numeric_limits<T>::quiet_NaN();
+        if (random.one_in(n)) height = hidden_nan<T>();
     }
 }
 
