@@ -185,13 +185,24 @@ public:
                                     1, GDT_Byte, 0, 0) != CE_None)
             return false;
         for (std::size_t i = 0; i < row_.size(); ++i) {
-            const bool no_data = no_data_ && static_cast<double>(samples[i]) == *no_data_;
+            const bool no_data = no_data_ && samples[i] == as_sample<S>(*no_data_);
             if (no_data || (masked_ && row_[i] == 0)) samples[i] = std::numeric_limits<S>::quiet_NaN();
         }
         return true;
     }
 
 private:
+    /// The lowest float is often written in so few digits that it is beyond all floats.
+    template <class S>
+    static S as_sample(double value) {
+        constexpr double most = std::numeric_limits<S>::max();
+        if (!(std::abs(value) <= most)) {
+            const bool rounded = std::abs(value) <= most * (1 + 1e-6);
+            return rounded ? static_cast<S>(std::copysign(most, value)) : std::numeric_limits<S>::quiet_NaN();
+        }
+        return static_cast<S>(value);
+    }
+
     GDALRasterBandH band_;
     std::vector<std::uint8_t> row_;
     std::optional<double> no_data_;

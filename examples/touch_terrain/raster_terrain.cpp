@@ -91,8 +91,8 @@ std::optional<std::string> map_text_beside(std::filesystem::path raster) {
         if (!std::filesystem::exists(raster, error)) continue;
         const MemoryMap map{raster};
         const std::string_view bytes{reinterpret_cast<const char*>(map.bytes().data()), map.bytes().size()};
-        const std::string_view text = trimmed(without_byte_order_mark(bytes.substr(0, 65536)));
-        if (text.find_first_not_of("\r\n") != std::string_view::npos) return std::string{text};
+        const std::string_view text = without_byte_order_mark(bytes.substr(0, 65536));
+        if (text.find_first_not_of(" \t\r\n") != std::string_view::npos) return std::string{text};
     }
     return std::nullopt;
 }

@@ -36,11 +36,11 @@ enum class Encoding : unsigned char {
 
 /// What the user says of a file; it goes before what the file says of itself.
 struct ReadOptions {
-    std::optional<glm::dvec2> spacing; ///< metres from sample to sample
+    std::optional<glm::dvec2> spacing = std::nullopt; ///< metres from sample to sample
     /// Metres in the unit of the samples, and in that of the spacing where the file names no map.
-    std::optional<double> unit;
-    std::string
-        channel; ///< grey, red, green, blue, alpha, or a number from 1; empty: the one that holds heights
+    std::optional<double> unit = std::nullopt;
+    /// Grey, red, green, blue, alpha, or a number from 1; empty: the one that holds heights.
+    std::string channel = {};
     Encoding encoding = Encoding::none;
 };
 

@@ -54,7 +54,7 @@ constexpr std::array units{
     NamedUnit{"surveyfoot", us_foot},
     NamedUnit{"in", 0.0254},
     NamedUnit{"inch", 0.0254},
-    NamedUnit{"inche", 0.0254},
+    NamedUnit{"inches", 0.0254},
     NamedUnit{"yd", 0.9144},
     NamedUnit{"yard", 0.9144},
     NamedUnit{"mi", 1609.344},
@@ -74,9 +74,10 @@ std::optional<double> metres_in(std::string_view name) {
         else if (std::isdigit(byte) != 0)
             return std::nullopt; // "m2" and "0.1 m" are something else
     }
-    if (plain.size() > 2 && plain.ends_with('s')) plain.pop_back();
     for (const NamedUnit& unit : units) {
         if (plain == unit.name) return unit.metres;
+        const bool is_plural = unit.name.size() > 2 && plain.ends_with('s');
+        if (is_plural && std::string_view{plain}.substr(0, plain.size() - 1) == unit.name) return unit.metres;
     }
     return std::nullopt;
 }
