@@ -314,4 +314,29 @@ TEST_CASE("touch_terrain gdal: a world file says how far apart an image's pixels
     CHECK(contains(refusal(folder / "t.png"), "turned"));
 }
 
+TEST_CASE("touch_terrain gdal: what it has written beside a file that cannot hold it",
+          "[touch_terrain][gdal]") {
+    const Folder folder;
+    const std::string more =
+        "<PAMDataset><SRS>EPSG:4326</SRS><PAMRasterBand band=\"1\"><Offset>1000</Offset><Scale>0.5</Scale>"
+        "<UnitType>ft</UnitType></PAMRasterBand></PAMDataset>";
+    const std::vector<double> wanted{1000.5 * 0.3048, 1001 * 0.3048, 1001.5 * 0.3048, 1002 * 0.3048};
+    folder.samples<std::int16_t>("t.bil", {1, 2, 3, 4});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 16\nPIXELTYPE SIGNEDINT\nXDIM 0.001\nYDIM 0.001\n"
+                         "ULXMAP 7\nULYMAP 45.0005\n");
+    folder.text("t.bil.aux.xml", more);
+    const auto terrain = demo::read_terrain(folder / "t.bil");
+    check_heights(terrain, wanted);
+    CHECK(terrain.spacing->x == Approx(78.8468).epsilon(1e-6));
+    CHECK_FALSE(says(terrain, "heights"));
+    write_png(folder / "t.png", 2, 2, 8, PNG_COLOR_TYPE_GRAY, {1, 2, 3, 4});
+    folder.text("t.png.aux.xml", more);
+    check_heights(demo::read_terrain(folder / "t.png"), wanted);
+    check_heights(demo::read_terrain(folder / "t.png", {.unit = 1.0}), {1000.5, 1001, 1001.5, 1002});
+    // Statistics alone change nothing.
+    folder.text("t.bil.aux.xml", "<PAMDataset><PAMRasterBand band=\"1\"/></PAMDataset>");
+    check_heights(demo::read_terrain(folder / "t.bil"), {1, 2, 3, 4});
+    CHECK(demo::read_terrain(folder / "t.bil").spacing == glm::dvec2{0.001});
+}
+
 #endif // TOUCH_TERRAIN_HAS_GDAL

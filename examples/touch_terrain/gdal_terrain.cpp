@@ -342,6 +342,7 @@ std::optional<MapUnits> units_of(OGRSpatialReferenceH map) {
         units.flattening = inverse > 1 ? 1 / inverse : 0;
     }
     units.angular = OSRIsGeographic(map) != 0;
+    units.arbitrary = OSRIsLocal(map) != 0;
     units.size = units.angular ? OSRGetAngularUnits(map, nullptr) : OSRGetLinearUnits(map, nullptr);
     if (OSRIsVertical(map) != 0) units.height = OSRGetTargetLinearUnits(map, "VERT_CS", nullptr);
     return units;
@@ -352,6 +353,10 @@ void place(Terrain& terrain, const std::string& name, const Placement& placement
            const std::optional<MapUnits>& units, const ReadOptions& options) {
     if (options.spacing || !placement.extent) return;
     if (units) {
+        if (units->arbitrary && !units->angular)
+            terrain.assumed.push_back(
+                "the spacing is in units of " + rounded(units->size, 7) +
+                " m, as the file has them, though it lies on no map of the earth (see --spacing)");
         terrain.spacing = spacing_on_map(*units, *placement.extent, name, terrain.assumed);
         return;
     }
@@ -405,6 +410,15 @@ Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& opt
     }
     place(terrain, name, placement, units, options);
     return terrain;
+}
+
+bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options,
+                           int band) {
+    const Dataset dataset = open(file.string());
+    if (!dataset || GDALGetRasterCount(dataset.get()) < band) return false;
+    set_heights(terrain, file.string(), GDALGetRasterBand(dataset.get(), band),
+                units_of(GDALGetSpatialRef(dataset.get())), options);
+    return true;
 }
 
 void place_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options) {

@@ -287,6 +287,24 @@ void require_heights(const std::filesystem::path& file, const PngReader& reader,
     }
 }
 
+/// The scale, offset and unit of an image from its metadata, if they can be had. Its channels have them in common.
+bool heights_known([[maybe_unused]] Terrain& terrain, [[maybe_unused]] const std::filesystem::path& file,
+                   [[maybe_unused]] const ReadOptions& options) {
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+    return set_heights_with_gdal(terrain, file, options, 1);
+#else
+    return false;
+#endif
+}
+
+/// The spacing of an image from its world file or its metadata, if they can be had.
+void place_if_known([[maybe_unused]] Terrain& terrain, [[maybe_unused]] const std::filesystem::path& file,
+                    [[maybe_unused]] const ReadOptions& options) {
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+    place_with_gdal(terrain, file, options);
+#endif
+}
+
 } // namespace
 
 Terrain read_png(const std::filesystem::path& file, const ReadOptions& options) {
@@ -314,12 +332,10 @@ Terrain read_png(const std::filesystem::path& file, const ReadOptions& options) 
     if (options.encoding != Encoding::none) {
         const auto [scale, offset] = scale_of(options.encoding);
         set_height_unit(terrain, file, options, 1.0, scale, offset);
-    } else {
+    } else if (!heights_known(terrain, file, options)) {
         set_height_unit(terrain, file, options, std::nullopt);
     }
-#ifdef TOUCH_TERRAIN_HAS_GDAL
-    place_with_gdal(terrain, file, options);
-#endif
+    place_if_known(terrain, file, options);
     return terrain;
 }
 

@@ -102,8 +102,17 @@ void place(Terrain& terrain, const std::filesystem::path& file, const RasterHead
            const ReadOptions& options) {
     const auto text = map_text_beside(file);
     const std::optional<MapUnits> units = text ? read_map_units(*text) : std::nullopt;
-    set_height_unit(terrain, file, options, units ? units->height : std::nullopt);
-    if (options.spacing || !header.cell) return;
+    bool heights_known = false;
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+    // What GDAL has added to a raster that cannot hold it itself.
+    std::error_code error;
+    if (std::filesystem::exists(file.string() + ".aux.xml", error)) {
+        heights_known = set_heights_with_gdal(terrain, file, options, 1);
+        if (!text) place_with_gdal(terrain, file, options);
+    }
+#endif
+    if (!heights_known) set_height_unit(terrain, file, options, units ? units->height : std::nullopt);
+    if (options.spacing || terrain.spacing || !header.cell) return;
     if (text && !units) {
         throw BadInput{file.string() + " has a .prj that names no unit, " + shown(*text) +
                        "; --spacing gives the metres from sample to sample."};
