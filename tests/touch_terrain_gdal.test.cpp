@@ -300,6 +300,16 @@ TEST_CASE("touch_terrain gdal: one of several rasters is asked for by its name",
     check_heights(demo::read_terrain("/vsisubfile/0," + (folder / "t.asc").string()), {1, 2, 3, 4});
 }
 
+TEST_CASE("touch_terrain gdal: a band of a bil of several", "[touch_terrain][gdal]") {
+    const Folder folder;
+    folder.samples<std::uint8_t>("t.bil", {1, 2, 5, 6, 3, 4, 7, 8});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBANDS 2\nNBITS 8\nLAYOUT BIL\n");
+    CHECK(contains(refusal(folder / "t.bil"), "NBANDS"));
+    check_heights(demo::read_terrain(folder / "t.bil", {.channel = "1"}), {1, 2, 3, 4});
+    check_heights(demo::read_terrain(folder / "t.bil", {.channel = "2"}), {5, 6, 7, 8});
+    CHECK(contains(refusal(folder / "t.bil", {.channel = "3"}), "has the bands 1, 2"));
+}
+
 TEST_CASE("touch_terrain gdal: a world file says how far apart an image's pixels are",
           "[touch_terrain][gdal]") {
     const Folder folder;

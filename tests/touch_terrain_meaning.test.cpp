@@ -484,7 +484,7 @@ TEST_CASE("touch_terrain: --unit, --channel and --encoding say what a file does 
           {"t.png --channel 0", "--channel is '0'"},
           {"t.png --encoding rgb", "--encoding is 'rgb'"},
           {"t.png --encoding mapbox --channel red", "--channel and --encoding"},
-          {"t.bil --channel 1", "--channel"},
+          {"t.bil --channel 2", "--channel"},
           {"t.bil --encoding mapbox", "--encoding"}}) {
         CAPTURE(arguments);
         const Run run = folder.run(arguments);

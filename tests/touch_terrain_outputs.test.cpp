@@ -222,4 +222,9 @@ TEST_CASE("touch_terrain: the built-in stroke gets over walls without pressing a
         const double contact = std::stod(run.out.substr(run.out.find("in contact") + 16));
         CHECK(contact > 60);
     }
+    const std::string scan = HFH_SHARED_DATA_DIR "/kinect_boxes.bil";
+    if (!fs::exists(scan)) return;
+    const Run run = folder.run("'" + scan + "' --unit mm");
+    CHECK(contains(run.out, "every 0.0019 x 0.0019 m"));
+    CHECK(contains(run.out, "\nguard           clamped 0 updates"));
 }

@@ -412,6 +412,8 @@ Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& opt
     return terrain;
 }
 
+bool opens_with_gdal(const std::filesystem::path& file) { return open(file.string()) != nullptr; }
+
 bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options,
                            int band) {
     const Dataset dataset = open(file.string());

@@ -136,15 +136,15 @@ void place(Terrain& terrain, const std::filesystem::path& file, const RasterHead
 } // namespace
 
 Terrain read_raster(const std::filesystem::path& file, const ReadOptions& options) {
-    if (options.encoding != Encoding::none || !options.channel.empty()) {
-        throw BadInput{file.string() +
-                       " has one number at each place, but --channel and --encoding are for several."};
-    }
-    if (const auto header = header_beside(file); is_envi_header(header)) {
+    const bool one_of_several = options.encoding != Encoding::none || !options.channel.empty();
+    if (const auto header = header_beside(file); one_of_several || is_envi_header(header)) {
 #ifdef TOUCH_TERRAIN_HAS_GDAL
         return read_with_gdal(file, options);
 #else
-        throw BadInput{header.string() + " is an ENVI header, which this build without GDAL does not read."};
+        throw BadInput{
+            one_of_several
+                ? file.string() + " is read without --channel and --encoding by this build without GDAL."
+                : header.string() + " is an ENVI header, which this build without GDAL does not read."};
 #endif
     }
     const RasterHeader header = read_raster_header(file);

@@ -23,6 +23,10 @@ Terrain read_as_it_comes(const std::filesystem::path& file, const ReadOptions& o
 #endif
         throw BadInput{file.string() + " does not exist or cannot be reached."};
     }
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+    // Some formats are directories.
+    if (std::filesystem::is_directory(status) && opens_with_gdal(file)) return read_with_gdal(file, options);
+#endif
     if (std::filesystem::is_directory(status))
         throw BadInput{file.string() + " is a directory, not a terrain file."};
     if (!std::filesystem::is_regular_file(status))

@@ -72,6 +72,9 @@ struct Terrain {
 /// Whatever GDAL opens, as GDAL says it is meant: scale and offset, units, "no data", mask and alpha, map.
 [[nodiscard]] Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& options);
 
+/// True if GDAL knows what to do with `file`.
+[[nodiscard]] bool opens_with_gdal(const std::filesystem::path& file);
+
 /// As `set_height_unit` with the scale, offset and unit that GDAL knows of band `band` of `file`, beside which they may stand
 /// in an .aux.xml. False where GDAL cannot open it.
 [[nodiscard]] bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file,
