@@ -17,7 +17,7 @@ namespace demo {
 
 /// The units of a coordinate reference system.
 struct MapUnits {
-    bool arbitrary = false;        ///< of a local system, which may well have them by default
+    bool arbitrary = false;        ///< of a local system, whose units may only be there by default
     bool angular = false;          ///< coordinates are longitude and latitude
     double size = 1;               ///< of a unit: metres, or radians where angular
     double semi_major = 6'378'137; ///< of the ellipsoid, metres; WGS 84 unless the map says otherwise
