@@ -1,6 +1,9 @@
 # The demo's tests. They link the demo's parts, and call the demo itself (HFH_TOUCH_TERRAIN).
 hfh_use_png()
 target_sources(hfh_tests PRIVATE
+    touch_terrain_gdal.test.cpp
+    touch_terrain_meaning.test.cpp
+    touch_terrain_outputs.test.cpp
     touch_terrain_parts.test.cpp
     touch_terrain_reads.test.cpp
     touch_terrain_record.test.cpp

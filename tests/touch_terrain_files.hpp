@@ -119,6 +119,25 @@ inline void write_png(const fs::path& file, int columns, int rows, int bits, int
     std::fclose(out);
 }
 
+/// Puts a chunk in front of the pixels of a PNG.
+inline void insert_chunk(const fs::path& file, const std::string& type, const std::string& data) {
+    const auto append = [](std::string& out, std::uint32_t value) {
+        for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xff);
+    };
+    std::uint32_t crc = 0xffffffffu;
+    for (const char c : type + data) {
+        crc ^= static_cast<std::uint8_t>(c);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0u);
+    }
+    std::string chunk;
+    append(chunk, static_cast<std::uint32_t>(data.size()));
+    chunk += type + data;
+    append(chunk, ~crc);
+    std::string bytes = contents(file);
+    bytes.insert(bytes.find("IDAT") - 4, chunk);
+    std::ofstream{file, std::ios::binary} << bytes;
+}
+
 } // namespace touch_terrain_tests
 
 #endif // HFH_TESTS_TOUCH_TERRAIN_FILES_HPP

@@ -1,14 +1,23 @@
 #include "bad_input.hpp"
+#include "map_units.hpp"
+#include "numbers.hpp"
+#include "packed_heights.hpp"
 #include "terrain.hpp"
+#include "units.hpp"
 
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 #include <vector>
+
+#include <unistd.h>
 
 namespace demo {
 namespace {
@@ -18,94 +27,412 @@ struct Closer {
 };
 using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, Closer>;
 
+Dataset open(const std::string& name) {
+    GDALAllRegister();
+    CPLSetErrorHandler(CPLQuietErrorHandler);
+    CPLErrorReset();
+    return Dataset{GDALOpenEx(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr)};
+}
+
 /// GDAL's last complaint, for the end of a sentence.
 std::string complaint() {
     const std::string text = CPLGetLastErrorMsg();
     return text.empty() ? "." : ": GDAL says " + shown(text) + ".";
 }
 
-template <class S>
-AnyHeights read_band(const std::filesystem::path& file, GDALRasterBandH band, GDALDataType type,
-                     std::shared_ptr<const void>& storage) {
-    const int columns = GDALGetRasterBandXSize(band), rows = GDALGetRasterBandYSize(band);
-    auto samples =
-        std::make_shared<std::vector<S>>(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    if (GDALRasterIO(band, GF_Read, 0, 0, columns, rows, samples->data(), columns, rows, type, 0, 0) !=
-        CE_None) {
-        throw BadInput{file.string() + " cannot be read to its end" + complaint()};
+/// The names by which GDAL opens the rasters that a file holds beside its first, or instead of it.
+std::vector<std::string> subdatasets_of(GDALDatasetH dataset) {
+    std::vector<std::string> names;
+    char** const list = GDALGetMetadata(dataset, "SUBDATASETS");
+    for (int n = 1;; ++n) {
+        const std::string key = "SUBDATASET_" + std::to_string(n) + "_NAME";
+        const char* const name = CSLFetchNameValue(list, key.c_str());
+        if (name == nullptr) return names;
+        names.emplace_back(name);
     }
-    NoData<S> missing;
-    int has_no_data = 0;
-    const double no_data = GDALGetRasterNoDataValue(band, &has_no_data);
-    const bool fits = no_data >= static_cast<double>(std::numeric_limits<S>::lowest()) &&
-                      no_data <= static_cast<double>(std::numeric_limits<S>::max());
-    if (has_no_data != 0 && fits) missing.value = static_cast<S>(no_data);
+}
 
-    const Heights<S> heights{samples->data(), columns, rows, missing};
+std::string listed(const std::vector<std::string>& names) {
+    constexpr std::size_t most = 20;
+    std::string out;
+    for (std::size_t k = 0; k < std::min(most, names.size()); ++k) {
+        out += k == 0 ? "" : ", ";
+        for (const char c : names[k]) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+    }
+    return out + (names.size() > most ? " and " + std::to_string(names.size() - most) + " more" : "");
+}
+
+/// The raster that `name` means. A file of one raster under a longer name is that raster; one of several is refused.
+Dataset open_one(const std::string& name, std::vector<std::string>& assumed) {
+    Dataset dataset = open(name);
+    if (!dataset) throw BadInput{name + " is not a terrain file that can be read" + complaint()};
+    const std::vector<std::string> inside = subdatasets_of(dataset.get());
+    if (GDALGetRasterCount(dataset.get()) > 0) {
+        if (inside.size() > 1)
+            assumed.push_back("the first of " + std::to_string(inside.size()) +
+                              " rasters in the file is the terrain (" + listed(inside) + ")");
+        return dataset;
+    }
+    if (inside.empty()) throw BadInput{name + " holds no raster."};
+    if (inside.size() > 1) {
+        throw BadInput{
+            name + " holds " + std::to_string(inside.size()) +
+            " rasters, of which a terrain is one; take one of these names for it: " + listed(inside) + "."};
+    }
+    Dataset only = open(inside.front());
+    if (!only || GDALGetRasterCount(only.get()) == 0)
+        throw BadInput{inside.front() + " is not a terrain that can be read" + complaint()};
+    return only;
+}
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    return text;
+}
+
+std::string colour_of(GDALRasterBandH band) {
+    const std::string name = lower(GDALGetColorInterpretationName(GDALGetRasterColorInterpretation(band)));
+    return name == "gray" ? "grey" : name;
+}
+
+/// The band that `channel` names, by its number or its colour; null if there is none.
+GDALRasterBandH band_named(GDALDatasetH dataset, const std::string& channel) {
+    const int count = GDALGetRasterCount(dataset);
+    if (const auto number = parse_number<int>(channel))
+        return *number >= 1 && *number <= count ? GDALGetRasterBand(dataset, *number) : nullptr;
+    for (int n = 1; n <= count; ++n) {
+        const GDALRasterBandH band = GDALGetRasterBand(dataset, n);
+        if (colour_of(band) == channel) return band;
+    }
+    return nullptr;
+}
+
+/// "1 (red), 2 (depth)": what there is to choose from.
+std::string bands_of(GDALDatasetH dataset) {
+    std::vector<std::string> names;
+    for (int n = 1; n <= GDALGetRasterCount(dataset); ++n) {
+        const GDALRasterBandH band = GDALGetRasterBand(dataset, n);
+        std::string what = GDALGetDescription(band);
+        if (what.empty()) what = colour_of(band);
+        names.push_back(std::to_string(n) + (what == "undefined" ? "" : " (" + what + ")"));
+    }
+    return listed(names);
+}
+
+/// The one band with heights.
+GDALRasterBandH band_of_heights(const std::string& name, GDALDatasetH dataset, const ReadOptions& options,
+                                std::vector<std::string>& assumed) {
+    const int count = GDALGetRasterCount(dataset);
+    if (!options.channel.empty()) {
+        const GDALRasterBandH band = band_named(dataset, options.channel);
+        if (band == nullptr) {
+            throw BadInput{"--channel is " + shown(options.channel) + ", but " + name + " has the bands " +
+                           bands_of(dataset) + "."};
+        }
+        return band;
+    }
+    std::vector<GDALRasterBandH> candidates;
+    for (int n = 1; n <= count; ++n) {
+        const GDALRasterBandH band = GDALGetRasterBand(dataset, n);
+        if (GDALGetRasterColorInterpretation(band) != GCI_AlphaBand) candidates.push_back(band);
+    }
+    if (candidates.size() != 1) {
+        throw BadInput{name + " has " + std::to_string(count) +
+                       " bands, but a terrain has one height at each place; --channel takes one of " +
+                       bands_of(dataset) +
+                       (candidates.size() == 3 ? ", and --encoding unpacks three." : ".")};
+    }
+    if (count > 1) assumed.emplace_back("heights are in the band that is not alpha (see --channel)");
+    if (GDALGetRasterColorInterpretation(candidates.front()) == GCI_PaletteIndex)
+        assumed.emplace_back("the numbers of the colour table are heights");
+    return candidates.front();
+}
+
+/// An array for the samples of a raster. Throws BadInput where they would be more than the machine's memory.
+template <class S>
+std::shared_ptr<std::vector<S>> room_for(const std::string& name, int columns, int rows) {
+    const double bytes = sizeof(S) * static_cast<double>(columns) * static_cast<double>(rows);
+    const double memory =
+        static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+    if (memory > 0 && bytes > memory) {
+        throw BadInput{name + " has " + std::to_string(columns) + " x " + std::to_string(rows) +
+                       " samples, which are more than this machine's memory of " + rounded(1e-9 * memory) +
+                       " GB holds; as .bil it could be touched where it lies."};
+    }
+    return std::make_shared<std::vector<S>>(static_cast<std::size_t>(columns) *
+                                            static_cast<std::size_t>(rows));
+}
+
+/// What GDAL knows about the holes of a band: its mask, in which a "no data" value counts as GDAL has it (a float that was
+/// written in too few digits is still that float), and that value itself where a mask of its own hides it.
+class Holes {
+public:
+    explicit Holes(GDALRasterBandH band, int columns) : band_{band}, row_(static_cast<std::size_t>(columns)) {
+        int has_one = 0;
+        const double value = GDALGetRasterNoDataValue(band, &has_one);
+        if (has_one != 0) no_data_ = value;
+        // The alpha band itself has no mask: it may be where the heights are.
+        masked_ = (GDALGetMaskFlags(band) & GMF_ALL_VALID) == 0 &&
+                  GDALGetRasterColorInterpretation(band) != GCI_AlphaBand;
+    }
+    [[nodiscard]] bool any() const noexcept { return masked_ || no_data_; }
+
+    /// Marks the holes among the samples of row j. False if the mask cannot be read.
+    template <class S>
+    [[nodiscard]] bool mark(int j, S* samples) {
+        const int columns = static_cast<int>(row_.size());
+        if (masked_ && GDALRasterIO(GDALGetMaskBand(band_), GF_Read, 0, j, columns, 1, row_.data(), columns,
+                                    1, GDT_Byte, 0, 0) != CE_None)
+            return false;
+        for (std::size_t i = 0; i < row_.size(); ++i) {
+            const bool no_data = no_data_ && samples[i] == as_sample<S>(*no_data_);
+            if (no_data || (masked_ && row_[i] == 0)) samples[i] = std::numeric_limits<S>::quiet_NaN();
+        }
+        return true;
+    }
+
+private:
+    /// The lowest float is often written in so few digits that it is beyond all floats.
+    template <class S>
+    static S as_sample(double value) {
+        constexpr double most = std::numeric_limits<S>::max();
+        if (!(std::abs(value) <= most)) {
+            const bool rounded = std::abs(value) <= most * (1 + 1e-6);
+            return rounded ? static_cast<S>(std::copysign(most, value)) : std::numeric_limits<S>::quiet_NaN();
+        }
+        return static_cast<S>(value);
+    }
+
+    GDALRasterBandH band_;
+    std::vector<std::uint8_t> row_;
+    std::optional<double> no_data_;
+    bool masked_ = false;
+};
+
+/// How a raster lies on its map: which of its corners comes first, and what it measures.
+struct Placement {
+    bool west_first = true;
+    bool north_first = true;
+    std::optional<MapExtent> extent; ///< nothing where the file does not say
+};
+
+template <class S>
+AnyHeights right_way_up(const S* samples, int columns, int rows, const Placement& placement) {
+    const hfh::Index width = columns, height = rows;
+    const hfh::Index i = placement.west_first ? 0 : width - 1, j = placement.north_first ? height - 1 : 0;
+    return Heights<S>{samples + i + j * width,
+                      width,
+                      height,
+                      placement.west_first ? 1 : -1,
+                      placement.north_first ? -width : width,
+                      NoData<S>{}};
+}
+
+/// The band as samples of type S; where there may be holes S has NaN.
+template <class S>
+AnyHeights read_as(const std::string& name, GDALRasterBandH band, GDALDataType type, Holes& holes,
+                   const Placement& placement, std::shared_ptr<const void>& storage) {
+    const int columns = GDALGetRasterBandXSize(band), rows = GDALGetRasterBandYSize(band);
+    auto samples = room_for<S>(name, columns, rows);
+    CPLErrorReset();
+    bool whole = GDALRasterIO(band, GF_Read, 0, 0, columns, rows, samples->data(), columns, rows, type, 0,
+                              0) == CE_None;
+    // Bytes with a sign have no type of their own before GDAL 3.7.
+    const char* const pixel_type = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+    if (pixel_type != nullptr && std::string_view{pixel_type} == "SIGNEDBYTE") {
+        for (S& sample : *samples) sample = sample > 127 ? static_cast<S>(sample - 256) : sample;
+    }
+    if constexpr (std::is_floating_point_v<S>) {
+        for (int j = 0; whole && holes.any() && j < rows; ++j) {
+            const std::size_t first = static_cast<std::size_t>(j) * static_cast<std::size_t>(columns);
+            whole = holes.mark(j, samples->data() + first);
+        }
+    }
+    if (!whole) throw BadInput{name + " cannot be read to its end" + complaint()};
+    const AnyHeights heights = right_way_up(samples->data(), columns, rows, placement);
     storage = std::move(samples);
     return heights;
 }
 
-AnyHeights read_band(const std::filesystem::path& file, GDALRasterBandH band,
+AnyHeights read_band(const std::string& name, GDALRasterBandH band, const Placement& placement,
                      std::shared_ptr<const void>& storage) {
+    Holes holes{band, GDALGetRasterBandXSize(band)};
     switch (GDALGetRasterDataType(band)) {
-    case GDT_Byte: return read_band<std::uint8_t>(file, band, GDT_Byte, storage);
-    case GDT_UInt16: return read_band<std::uint16_t>(file, band, GDT_UInt16, storage);
-    case GDT_Int16: return read_band<std::int16_t>(file, band, GDT_Int16, storage);
-    case GDT_Int32: return read_band<std::int32_t>(file, band, GDT_Int32, storage);
-    case GDT_Float32: return read_band<float>(file, band, GDT_Float32, storage);
+    case GDT_Byte:
+    case GDT_UInt16:
+    case GDT_Int16:
+        if (holes.any()) return read_as<float>(name, band, GDT_Float32, holes, placement, storage);
+        if (GDALGetRasterDataType(band) == GDT_UInt16)
+            return read_as<std::uint16_t>(name, band, GDT_UInt16, holes, placement, storage);
+        return read_as<std::int16_t>(name, band, GDT_Int16, holes, placement, storage);
+    case GDT_Int32:
+        if (holes.any()) return read_as<double>(name, band, GDT_Float64, holes, placement, storage);
+        return read_as<std::int32_t>(name, band, GDT_Int32, holes, placement, storage);
+    case GDT_Float32: return read_as<float>(name, band, GDT_Float32, holes, placement, storage);
     case GDT_CInt16:
     case GDT_CInt32:
     case GDT_CFloat32:
-    case GDT_CFloat64: throw BadInput{file.string() + " holds complex numbers, which are no heights."};
-    default: return read_band<double>(file, band, GDT_Float64, storage);
+    case GDT_CFloat64: throw BadInput{name + " holds complex numbers, which are no heights."};
+    default: return read_as<double>(name, band, GDT_Float64, holes, placement, storage);
     }
 }
 
-/// How the raster lies on its map.
-struct Placement {
-    std::optional<glm::dvec2> spacing; ///< metres from sample to sample, if the file says
-    bool north_first = true;
-};
+/// Three bands of bytes as one packed sample.
+AnyHeights read_packed(const std::string& name, GDALDatasetH dataset, const Placement& placement,
+                       std::shared_ptr<const void>& storage) {
+    const int columns = GDALGetRasterXSize(dataset), rows = GDALGetRasterYSize(dataset);
+    std::array<GDALRasterBandH, 3> bands{};
+    for (int n = 0; n < 3; ++n) {
+        constexpr std::array<const char*, 3> names{"red", "green", "blue"};
+        GDALRasterBandH& band = bands[static_cast<std::size_t>(n)];
+        band = band_named(dataset, names[static_cast<std::size_t>(n)]);
+        if (band == nullptr && n < GDALGetRasterCount(dataset)) band = GDALGetRasterBand(dataset, n + 1);
+        if (band == nullptr || GDALGetRasterDataType(band) != GDT_Byte) {
+            throw BadInput{name + " has the bands " + bands_of(dataset) +
+                           ", but --encoding wants red, green and blue of 8 bits, and all of them."};
+        }
+    }
+    auto samples = room_for<std::int32_t>(name, columns, rows);
+    const auto width = static_cast<std::size_t>(columns);
+    std::vector<std::uint8_t> rgb(3 * width), mask(width);
+    const auto read_row = [&](GDALRasterBandH band, int j, std::uint8_t* into, int step) {
+        if (GDALRasterIO(band, GF_Read, 0, j, columns, 1, into, columns, 1, GDT_Byte, step, 0) != CE_None)
+            throw BadInput{name + " cannot be read to its end" + complaint()};
+    };
+    for (int j = 0; j < rows; ++j) {
+        for (std::size_t n = 0; n < 3; ++n) read_row(bands[n], j, rgb.data() + n, 3);
+        read_row(GDALGetMaskBand(bands[0]), j, mask.data(), 1);
+        std::int32_t* const row = samples->data() + static_cast<std::size_t>(j) * width;
+        for (std::size_t i = 0; i < width; ++i)
+            row[i] = mask[i] == 0 ? no_packed_sample : packed_sample(rgb.data(), 3, i);
+    }
+    const hfh::Index stride = placement.north_first ? -columns : columns;
+    const std::size_t west = placement.west_first ? 0 : width - 1;
+    const std::size_t south = placement.north_first ? static_cast<std::size_t>(rows - 1) * width : 0;
+    const Heights<std::int32_t> heights{samples->data() + south + west, columns, rows,
+                                        placement.west_first ? 1 : -1,  stride,  {no_packed_sample}};
+    storage = std::move(samples);
+    return heights;
+}
 
-Placement placement_of(const std::filesystem::path& file, GDALDatasetH dataset) {
-    double transform[6] = {};
-    if (GDALGetGeoTransform(dataset, transform) != CE_None) return {};
-    if (transform[2] != 0 || transform[4] != 0 || transform[1] <= 0) {
-        throw BadInput{file.string() +
+Placement placement_of(const std::string& name, GDALDatasetH dataset) {
+    std::array<double, 6> at{}; // x = at[0] + at[1]·column + at[2]·row, y = at[3] + at[4]·column + at[5]·row
+    if (GDALGetGeoTransform(dataset, at.data()) != CE_None) return {};
+    const double columns = GDALGetRasterXSize(dataset), rows = GDALGetRasterYSize(dataset);
+    const double turned = std::max(std::abs(at[2]) * rows / std::abs(at[1]),
+                                   std::abs(at[4]) * columns / std::abs(at[5])); // cells
+    constexpr double rounding = 0.01; // cells across the whole raster
+    if (!(turned <= rounding)) {
+        throw BadInput{name +
                        " is turned on its map, but its columns must run east and its rows north-south."};
     }
-    Placement placement;
-    placement.north_first = transform[5] < 0;
-    const OGRSpatialReferenceH map = GDALGetSpatialRef(dataset);
-    const bool in_degrees = map != nullptr && OSRIsGeographic(map) != 0;
-    if (!in_degrees) placement.spacing = glm::dvec2{transform[1], std::abs(transform[5])};
-    return placement;
+    const double first = at[3] + 0.5 * at[5], last = at[3] + (rows - 0.5) * at[5];
+    return {at[1] > 0, at[5] < 0,
+            MapExtent{{std::abs(at[1]), std::abs(at[5])}, std::min(first, last), std::max(first, last)}};
+}
+
+std::optional<MapUnits> units_of(OGRSpatialReferenceH map) {
+    if (map == nullptr) return std::nullopt;
+    MapUnits units;
+    OGRErr known = OGRERR_NONE;
+    const double semi_major = OSRGetSemiMajor(map, &known);
+    if (known == OGRERR_NONE) {
+        units.semi_major = semi_major;
+        const double inverse = OSRGetInvFlattening(map, nullptr);
+        units.flattening = inverse > 1 ? 1 / inverse : 0;
+    }
+    units.angular = OSRIsGeographic(map) != 0;
+    units.arbitrary = OSRIsLocal(map) != 0;
+    units.size = units.angular ? OSRGetAngularUnits(map, nullptr) : OSRGetLinearUnits(map, nullptr);
+    if (OSRIsVertical(map) != 0) units.height = OSRGetTargetLinearUnits(map, "VERT_CS", nullptr);
+    return units;
+}
+
+/// Sets the spacing as the map has it, or else in metres or the user's unit.
+void place(Terrain& terrain, const std::string& name, const Placement& placement,
+           const std::optional<MapUnits>& units, const ReadOptions& options) {
+    if (options.spacing || !placement.extent) return;
+    if (units) {
+        if (units->arbitrary && !units->angular)
+            terrain.assumed.push_back(
+                "the spacing is in units of " + rounded(units->size, 7) +
+                " m, as the file has them, though it lies on no map of the earth (see --spacing)");
+        terrain.spacing = spacing_on_map(*units, *placement.extent, name, terrain.assumed);
+        return;
+    }
+    if (!options.unit)
+        terrain.assumed.emplace_back(
+            "the spacing is in metres, for the file names no map (see --spacing and --unit)");
+    terrain.spacing = checked_spacing(options.unit.value_or(1.0) * placement.extent->cell, name);
+}
+
+/// Scale, offset and unit of the heights in `band`.
+void set_heights(Terrain& terrain, const std::string& name, GDALRasterBandH band,
+                 const std::optional<MapUnits>& units, const ReadOptions& options) {
+    int has_scale = 0, has_offset = 0;
+    const double scale = GDALGetRasterScale(band, &has_scale),
+                 offset = GDALGetRasterOffset(band, &has_offset);
+    const std::string named = GDALGetRasterUnitType(band);
+    std::optional<double> unit = metres_in(named);
+    if (!unit && !named.empty() && !options.unit)
+        terrain.assumed.push_back("heights are in a unit called " + shown(named) +
+                                  ", which is no known length");
+    if (!unit && named.empty() && units) unit = units->height;
+    set_height_unit(terrain, name, options, unit, has_scale != 0 ? scale : 1, has_offset != 0 ? offset : 0);
 }
 
 } // namespace
 
-Terrain read_with_gdal(const std::filesystem::path& file) {
-    GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);
-    const Dataset dataset{GDALOpen(file.c_str(), GA_ReadOnly)};
-    if (!dataset) throw BadInput{file.string() + " is not a terrain file that can be read" + complaint()};
-
-    const int bands = GDALGetRasterCount(dataset.get());
-    if (bands != 1) {
-        throw BadInput{file.string() + " has " + std::to_string(bands) +
-                       " bands, but a terrain has one height at each place."};
-    }
+Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& options) {
+    const std::string name = file.string();
+    std::vector<std::string> assumed;
+    const Dataset dataset = open_one(name, assumed);
     require_a_patch(file, GDALGetRasterXSize(dataset.get()), GDALGetRasterYSize(dataset.get()));
+    const bool packed = options.encoding != Encoding::none;
+    const GDALRasterBandH band = packed ? nullptr : band_of_heights(name, dataset.get(), options, assumed);
+    const Placement placement = placement_of(name, dataset.get());
+    const std::optional<MapUnits> units = units_of(GDALGetSpatialRef(dataset.get()));
 
     std::shared_ptr<const void> storage;
-    AnyHeights heights = read_band(file, GDALGetRasterBand(dataset.get(), 1), storage);
-
-    const Placement placement = placement_of(file, dataset.get());
-    if (placement.north_first) {
-        heights = std::visit([](const auto& view) -> AnyHeights { return view.flipped_rows(); }, heights);
+    AnyHeights heights = packed ? read_packed(name, dataset.get(), placement, storage)
+                                : read_band(name, band, placement, storage);
+    std::error_code error;
+    Terrain terrain{.name = std::filesystem::exists(file, error) ? file.filename().string() : name,
+                    .storage = std::move(storage),
+                    .heights = std::move(heights),
+                    .spacing = std::nullopt,
+                    .assumed = std::move(assumed)};
+    if (packed) {
+        const auto [scale, offset] = scale_of(options.encoding);
+        set_height_unit(terrain, file, options, 1.0, scale, offset);
+    } else {
+        set_heights(terrain, name, band, units, options);
     }
-    return {file.filename().string(), std::move(storage), std::move(heights), placement.spacing};
+    place(terrain, name, placement, units, options);
+    return terrain;
+}
+
+bool opens_with_gdal(const std::filesystem::path& file) { return open(file.string()) != nullptr; }
+
+bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options,
+                           int band) {
+    const Dataset dataset = open(file.string());
+    if (!dataset || GDALGetRasterCount(dataset.get()) < band) return false;
+    set_heights(terrain, file.string(), GDALGetRasterBand(dataset.get(), band),
+                units_of(GDALGetSpatialRef(dataset.get())), options);
+    return true;
+}
+
+void place_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options) {
+    if (options.spacing) return;
+    const Dataset dataset = open(file.string());
+    if (!dataset) return;
+    const Placement placement = placement_of(file.string(), dataset.get());
+    if (!placement.north_first) {
+        terrain.heights =
+            std::visit([](const auto& view) -> AnyHeights { return view.flipped_rows(); }, terrain.heights);
+    }
+    place(terrain, file.string(), placement, units_of(GDALGetSpatialRef(dataset.get())), options);
 }
 
 } // namespace demo

@@ -20,6 +20,13 @@ namespace demo {
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+/// `text` without the mark that some editors put in front of UTF-8.
+[[nodiscard]] inline std::string_view without_byte_order_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    return text;
+}
+
 /// The number that `text` is, all of it, or nothing.
 template <class T>
 [[nodiscard]] std::optional<T> parse_number(std::string_view text) {

@@ -2,11 +2,13 @@
 
 #include "bad_input.hpp"
 #include "numbers.hpp"
+#include "standard_streams.hpp"
+#include "units.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,27 @@ DeviceChoice device_from(const std::string& text) {
     refuse("--device", text, "touch, premium or none");
 }
 
+double unit_from(const std::string& text) {
+    const auto metres = metres_in(text);
+    if (!metres)
+        refuse("--unit", text, "a unit of length: m, km, dm, cm, mm, um, nm, ft, us-ft, in, yd or mi");
+    return *metres;
+}
+
+Encoding encoding_from(const std::string& text) {
+    if (text == "terrarium") return Encoding::terrarium;
+    if (text == "mapbox") return Encoding::mapbox;
+    refuse("--encoding", text, "terrarium or mapbox");
+}
+
+std::string channel_from(const std::string& text) {
+    constexpr std::array<std::string_view, 5> names{"grey", "red", "green", "blue", "alpha"};
+    const auto number = parse_number<int>(text);
+    if ((number && *number >= 1) || std::ranges::find(names, text) != names.end()) return text;
+    if (text == "gray") return "grey";
+    refuse("--channel", text, "grey, red, green, blue, alpha or a number from 1");
+}
+
 void refuse_same_file(const char* a, const std::optional<std::filesystem::path>& first, const char* b,
                       const std::optional<std::filesystem::path>& second) {
     if (!first || !second) return;
@@ -61,21 +84,33 @@ void refuse_same_file(const char* a, const std::optional<std::filesystem::path>&
 
 std::optional<Options> read_options(int argc, const char* const* argv) {
     CLI::App app{"Touches a terrain along a path of the stylus, and says what is felt.", "touch_terrain"};
-    std::string terrain, spacing, height_scale, path, device, stiffness, record, picture;
+    std::string terrain, spacing, unit, channel, encoding, height_scale, path, device, stiffness, record,
+        picture;
     Options options;
     app.add_option(
         "TERRAIN", terrain,
-        "Heights, north row first: .png (8 or 16 bit; the alpha channel if it has one, else grey), .bil or "
-        ".flt beside their .hdr"
+        "Heights, north row first: .png (8 or 16 bit; the alpha channel if it has one that varies, else "
+        "grey), .bil or .flt beside their .hdr"
 #ifdef TOUCH_TERRAIN_HAS_GDAL
-        ", or anything that GDAL opens"
+        ", or anything that GDAL opens, its names of subdatasets and /vsi paths included"
 #endif
         ". Default: the Spanish Peaks");
     app.add_option("--spacing", spacing,
-                   "Metres from sample to sample, east and north. Default: what the file says, "
-                   "else 1")
+                   "Metres from sample to sample, east and north. Default: what the file says (degrees in "
+                   "metres at the middle latitude), else 1")
         ->type_name("DX[,DY]");
-    app.add_option("--height-scale", height_scale, "Metres per unit of a sample. Default: 1")->type_name("S");
+    app.add_option("--unit", unit,
+                   "Of the samples, and of the spacing in a file that names no map: m, km, dm, cm, mm, um, "
+                   "nm, ft, us-ft, in, yd or mi. Default: what the file says, else m")
+        ->type_name("UNIT");
+    app.add_option("--channel", channel,
+                   "Where the heights are in a file of several channels or bands: grey, red, green, blue, "
+                   "alpha or a number from 1")
+        ->type_name("CHANNEL");
+    app.add_option("--encoding", encoding,
+                   "Heights packed into red, green and blue: terrarium, or mapbox (Terrain-RGB)")
+        ->type_name("ENCODING");
+    app.add_option("--height-scale", height_scale, "Multiplies the heights. Default: 1")->type_name("S");
     app.add_option("--path", path,
                    "Positions of the stylus, header t,x,y,z, in seconds and metres from the south-west "
                    "sample. Default: a stroke across the terrain, 20 s at 1 kHz")
@@ -103,7 +138,7 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::CallForHelp&) {
-        std::fputs(app.help().c_str(), stdout);
+        print(app.help());
         return std::nullopt;
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
@@ -122,9 +157,15 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     options.path = file("--path", path);
     options.record = file("--record", record);
     options.picture = file("--picture", picture);
-    if (app.count("--spacing") != 0) options.spacing = spacing_from(spacing);
+    if (app.count("--spacing") != 0) options.read.spacing = spacing_from(spacing);
+    if (app.count("--unit") != 0) options.read.unit = unit_from(unit);
+    if (app.count("--channel") != 0) options.read.channel = channel_from(channel);
+    if (app.count("--encoding") != 0) options.read.encoding = encoding_from(encoding);
     if (app.count("--height-scale") != 0)
         options.height_scale = number_from("--height-scale", height_scale, true);
+    if (options.read.encoding != Encoding::none && !options.read.channel.empty())
+        throw BadInput{
+            "--channel and --encoding are both there, but heights are in one channel or packed into three."};
     if (app.count("--device") != 0) {
         options.device = device_from(device);
     } else if (options.path) {

@@ -1,7 +1,7 @@
 #ifndef TOUCH_TERRAIN_OPTIONS_HPP
 #define TOUCH_TERRAIN_OPTIONS_HPP
 
-#include <glm/ext/vector_double2.hpp>
+#include "terrain.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -13,7 +13,7 @@ enum class DeviceChoice { none, touch, premium };
 /// The command line, checked.
 struct Options {
     std::optional<std::filesystem::path> terrain; ///< none: the bundled one
-    std::optional<glm::dvec2> spacing;
+    ReadOptions read;
     double height_scale = 1.0;
     std::optional<std::filesystem::path> path; ///< none: the built-in stroke
     DeviceChoice device = DeviceChoice::touch;

@@ -2,14 +2,17 @@
 #define TOUCH_TERRAIN_OUTPUT_FILE_HPP
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace demo {
 
-/// A file that is there whole or not at all: written beside its target under another name, and renamed at the end.
+/// A file that is there whole or not at all: written beside its target under another name, and renamed at the end. Interrupt,
+/// hang-up and termination (SIGINT, SIGHUP, SIGTERM) remove what was written, and then end the program as they would.
 class OutputFile {
 public:
-    /// Opens the file beside `target`. Throws BadInput if that cannot be, or if `target` is there and no regular file.
+    /// Opens the file beside `target`. Throws BadInput if that cannot be, if `target` is there and no regular file, or if it
+    /// is where standard output or standard error go.
     explicit OutputFile(const std::filesystem::path& target);
     /// Removes what was written, unless it was kept.
     ~OutputFile();
@@ -19,16 +22,14 @@ public:
     /// Throws BadInput if the system cannot take it all.
     void write(std::string_view text);
 
-    /// For a child process that writes in our place.
-    [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
-
     /// Puts the file in the target's place. Throws BadInput.
     void keep();
 
 private:
     std::filesystem::path target_;
-    std::filesystem::path partial_;
+    std::string partial_; ///< does not change while a signal may look at it
     int descriptor_ = -1;
+    bool kept_ = false;
 };
 
 } // namespace demo

@@ -204,7 +204,7 @@ void draw_force(Script& script, const Layout& layout, double first_t, double las
 
 } // namespace
 
-void draw_picture(const OutputFile& file, const Ground& ground, const Trace& trace, const std::string& title,
+void draw_picture(OutputFile& file, const Ground& ground, const Trace& trace, const std::string& title,
                   const std::string& subtitle) {
     const auto& forces = trace.force.points();
     const Region region = region_around(ground, trace.path.points());
@@ -221,7 +221,7 @@ void draw_picture(const OutputFile& file, const Ground& ground, const Trace& tra
     draw_map(script, layout, relief, region, unit, force_end);
     draw_force(script, layout, first_t, last_t + update, force_end);
     script << "unset multiplot\n";
-    run_gnuplot(script.text(), file.descriptor());
+    file.write(run_gnuplot(script.text()));
 }
 
 } // namespace demo

@@ -10,8 +10,9 @@
 namespace demo {
 
 /// Draws the ground around the path in shaded relief, north up, the path on it coloured by force, and the force over
-/// time below, as a PNG. Throws BadInput where gnuplot cannot.
-void draw_picture(const OutputFile& file, const Ground& ground, const Trace& trace, const std::string& title,
+/// time below, as a PNG. Throws BadInput where gnuplot cannot, or the
+/// disk is full.
+void draw_picture(OutputFile& file, const Ground& ground, const Trace& trace, const std::string& title,
                   const std::string& subtitle);
 
 } // namespace demo

@@ -5,6 +5,7 @@
 #include "numbers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cctype>
 #include <map>
@@ -19,37 +20,42 @@ std::string upper(std::string_view text) {
     return out;
 }
 
-std::filesystem::path header_beside(std::filesystem::path raster) {
-    std::error_code error;
-    for (const char* extension : {".hdr", ".HDR"}) {
-        raster.replace_extension(extension);
-        if (std::filesystem::exists(raster, error)) return raster;
+/// All keys that mean something here. Whatever else a line begins with, the line is a comment.
+constexpr std::array<std::string_view, 20> known_keys{
+    "NROWS",     "NCOLS",     "NBANDS",       "LAYOUT",        "NBITS",     "PIXELTYPE",    "DATATYPE",
+    "BYTEORDER", "SKIPBYTES", "BANDROWBYTES", "TOTALROWBYTES", "NODATA",    "NODATA_VALUE", "NODATAVALUE",
+    "CELLSIZE",  "XDIM",      "YDIM",         "ULYMAP",        "YLLCORNER", "YLLCENTER"};
+
+/// The text of a header without a byte-order mark.
+std::string text_of(const std::filesystem::path& file) {
+    const MemoryMap map{file};
+    constexpr std::size_t longest = 65536;
+    if (map.bytes().size() > longest) {
+        throw BadInput{file.string() + " has " + std::to_string(map.bytes().size()) +
+                       " bytes, but a raster header is a short text of at most " + std::to_string(longest) +
+                       "."};
     }
-    throw BadInput{raster.replace_extension(".hdr").string() +
-                   " does not exist, but a raster needs its header beside it."};
+    const std::string_view text{reinterpret_cast<const char*>(map.bytes().data()), map.bytes().size()};
+    return std::string{without_byte_order_mark(text)};
 }
 
 /// The lines "KEY value" of a header, and complaints that say where.
 class Entries {
 public:
     explicit Entries(const std::filesystem::path& file) : file_{file} {
-        const MemoryMap map{file};
-        constexpr std::size_t longest = 65536;
-        if (map.bytes().size() > longest) {
-            throw BadInput{file.string() + " has " + std::to_string(map.bytes().size()) +
-                           " bytes, but a raster header is a short text of at most " +
-                           std::to_string(longest) + "."};
-        }
-        std::string_view rest{reinterpret_cast<const char*>(map.bytes().data()), map.bytes().size()};
+        const std::string text = text_of(file);
+        std::string_view rest = text;
         for (std::size_t line = 1; !rest.empty(); ++line) {
-            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
             add(line, trimmed(rest.substr(0, end)));
-            rest.remove_prefix(std::min(end + 1, rest.size()));
+            rest.remove_prefix(end);
+            rest.remove_prefix(rest.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest.size()));
         }
     }
 
     struct Entry {
         std::size_t line = 0;
+        std::string key; ///< as written
         std::string value;
     };
 
@@ -84,6 +90,15 @@ public:
         return static_cast<std::size_t>(at - words.begin());
     }
 
+    /// A finite number, if the key is there.
+    [[nodiscard]] std::optional<double> number(const std::string& key) const {
+        const Entry* const entry = find(key);
+        if (entry == nullptr) return std::nullopt;
+        const auto value = parse_finite(entry->value);
+        if (!value) refuse(key, "a finite number");
+        return value;
+    }
+
     /// A length as --spacing takes it, if the key is there.
     [[nodiscard]] std::optional<double> length(const std::string& key) const {
         const Entry* const entry = find(key);
@@ -104,8 +119,9 @@ private:
     void add(std::size_t line, std::string_view text) {
         if (text.empty()) return;
         const std::size_t key_end = std::min(text.find_first_of(" \t"), text.size());
-        const std::string key = upper(text.substr(0, key_end));
-        if (!entries_.emplace(key, Entry{line, std::string{trimmed(text.substr(key_end))}}).second) {
+        const std::string written{text.substr(0, key_end)}, key = upper(written);
+        if (std::ranges::find(known_keys, key) == known_keys.end()) return;
+        if (!entries_.emplace(key, Entry{line, written, std::string{trimmed(text.substr(key_end))}}).second) {
             throw BadInput{file_.string() + ", line " + std::to_string(line) + ": " + shown(key) +
                            " is given a second time, but each key may stand once."};
         }
@@ -115,20 +131,86 @@ private:
     std::map<std::string, Entry> entries_;
 };
 
-void require_native_byte_order(const Entries& entries, const std::filesystem::path& file) {
-    constexpr bool little = std::endian::native == std::endian::little;
-    constexpr std::size_t native = little ? 0 : 1;
+/// The kind of a sample where no PIXELTYPE says it: ESRI's default are integers without a sign, but who marks "no data" by
+/// a negative number has some with a sign (as GDAL has it, from 16 bits on).
+SampleKind kind_assumed(const Entries& entries, RasterHeader& header) {
+    const std::string name = header.file.filename().string();
+    if (const auto* const other = entries.find("DATATYPE")) {
+        throw BadInput{header.file.string() + ", line " + std::to_string(other->line) + ": " + other->key +
+                       " is " + shown(other->value) +
+                       ", but what a sample is must stand in PIXELTYPE, UNSIGNEDINT, SIGNEDINT or FLOAT."};
+    }
+    if (header.bits == 64) {
+        throw BadInput{
+            header.file.string() +
+            " has no PIXELTYPE, but samples of 64 bits are read as FLOAT alone, which must stand there."};
+    }
+    const auto no_data = parse_number<double>(header.no_data);
+    if (header.bits > 8 && no_data && *no_data < 0) {
+        header.assumed.push_back("samples are integers with a sign, for " + name +
+                                 " has no PIXELTYPE, but a NODATA of " + header.no_data);
+        return SampleKind::signed_integer;
+    }
+    header.assumed.push_back("samples are integers without a sign, for " + name + " has no PIXELTYPE");
+    return SampleKind::unsigned_integer;
+}
+
+bool is_swapped(const Entries& entries) {
+    constexpr std::size_t native = std::endian::native == std::endian::little ? 0 : 1;
     const std::size_t order = entries.choice("BYTEORDER", {"I", "M", "LSBFIRST", "MSBFIRST"}, native,
                                              "I or LSBFIRST (little-endian), or M or MSBFIRST (big-endian)");
-    if (order % 2 == native) return;
-    const auto& entry = *entries.find("BYTEORDER");
-    throw BadInput{file.string() + ", line " + std::to_string(entry.line) + ": BYTEORDER is " +
-                   shown(entry.value) +
-                   ", but samples are read in place and must have this machine's byte order, " +
-                   (little ? "I (little-endian)." : "M (big-endian).")};
+    return order % 2 != native;
+}
+
+void read_no_data(const Entries& entries, RasterHeader& header) {
+    for (const char* key : {"NODATAVALUE", "NODATA", "NODATA_VALUE"}) {
+        const auto* const entry = entries.find(key);
+        if (entry == nullptr) continue;
+        if (!parse_number<double>(entry->value)) entries.refuse(key, "a number");
+        header.no_data = entry->value;
+    }
+    const auto* const odd = entries.find("NODATAVALUE");
+    if (odd != nullptr && header.no_data == odd->value) {
+        header.assumed.push_back(odd->key + " in " + header.file.filename().string() + " is meant as NODATA");
+    }
+}
+
+void read_placement(const Entries& entries, RasterHeader& header) {
+    const auto cell = entries.length("CELLSIZE"), dx = entries.length("XDIM"), dy = entries.length("YDIM");
+    if (cell) header.cell = glm::dvec2{*cell};
+    if (dx && dy) header.cell = glm::dvec2{*dx, *dy};
+    if (dx.has_value() != dy.has_value())
+        entries.refuse(dx ? "XDIM" : "YDIM", "there together with XDIM and YDIM both");
+    if (!header.cell) return;
+    const double height = static_cast<double>(header.rows - 1) * header.cell->y;
+    if (const auto corner = entries.number("YLLCORNER"))
+        header.north = *corner + 0.5 * header.cell->y + height;
+    if (const auto center = entries.number("YLLCENTER")) header.north = *center + height;
+    if (const auto top = entries.number("ULYMAP")) header.north = *top;
 }
 
 } // namespace
+
+std::filesystem::path header_beside(const std::filesystem::path& raster) {
+    std::error_code error;
+    for (const char* extension : {".hdr", ".HDR"}) {
+        auto header = raster;
+        header.replace_extension(extension);
+        if (std::filesystem::exists(header, error)) return header;
+        header = raster;
+        header += extension;
+        if (std::filesystem::exists(header, error)) return header;
+    }
+    auto wanted = raster;
+    throw BadInput{wanted.replace_extension(".hdr").string() +
+                   " does not exist, but a raster needs its header beside it."};
+}
+
+bool is_envi_header(const std::filesystem::path& header) {
+    const std::string text = text_of(header);
+    const auto first = std::string_view{text}.substr(0, text.find_first_of(" \t\r\n"));
+    return first == "ENVI";
+}
 
 RasterHeader read_raster_header(const std::filesystem::path& raster) {
     const bool flt = upper(raster.extension().string()) == ".FLT";
@@ -144,26 +226,30 @@ RasterHeader read_raster_header(const std::filesystem::path& raster) {
 
     header.bits = static_cast<unsigned>(entries.count("NBITS", 1, flt ? 32 : 8));
     constexpr std::string_view sample_rule = "8 or 16 (integers), 32 (integers or floats) or 64 (floats)";
-    header.kind =
-        flt ? SampleKind::floating
-            : static_cast<SampleKind>(entries.choice("PIXELTYPE", {"UNSIGNEDINT", "SIGNEDINT", "FLOAT"}, 0,
-                                                     "UNSIGNEDINT, SIGNEDINT or FLOAT"));
+    if (flt && header.bits != 32) entries.refuse("NBITS", "32 in a .flt");
+    if (header.bits != 8 && header.bits != 16 && header.bits != 32 && header.bits != 64)
+        entries.refuse("NBITS", std::string{sample_rule});
+    read_no_data(entries, header);
+    if (flt) {
+        header.kind = SampleKind::floating;
+    } else if (entries.find("PIXELTYPE") == nullptr) {
+        header.kind = kind_assumed(entries, header);
+    } else {
+        header.kind = static_cast<SampleKind>(entries.choice(
+            "PIXELTYPE", {"UNSIGNEDINT", "SIGNEDINT", "FLOAT"}, 0, "UNSIGNEDINT, SIGNEDINT or FLOAT"));
+    }
     const auto is = [&](SampleKind kind, unsigned bits) {
         return header.kind == kind && header.bits == bits;
     };
     using enum SampleKind;
-    if (flt && !is(floating, 32)) entries.refuse("NBITS", "32 in a .flt");
-    if (header.bits != 8 && header.bits != 16 && header.bits != 32 && header.bits != 64) {
-        entries.refuse("NBITS", std::string{sample_rule});
+    if (!is(unsigned_integer, 8) && !is(unsigned_integer, 16) && !is(unsigned_integer, 32) &&
+        !is(signed_integer, 16) && !is(signed_integer, 32) && !is(floating, 32) && !is(floating, 64)) {
+        entries.refuse("PIXELTYPE",
+                       "one of uint8, uint16, uint32, int16, int32, float32 and float64 together with " +
+                           std::string{entries.find("NBITS") ? "NBITS " : "the default NBITS "} +
+                           std::to_string(header.bits));
     }
-    if (!is(unsigned_integer, 8) && !is(unsigned_integer, 16) && !is(signed_integer, 16) &&
-        !is(signed_integer, 32) && !is(floating, 32) && !is(floating, 64)) {
-        const std::string rule = "one of uint8, uint16, int16, int32, float32 and float64 together with " +
-                                 std::string{entries.find("NBITS") ? "NBITS " : "the default NBITS "} +
-                                 std::to_string(header.bits);
-        entries.refuse(entries.find("PIXELTYPE") ? "PIXELTYPE" : "NBITS", rule);
-    }
-    require_native_byte_order(entries, header.file);
+    header.swapped = is_swapped(entries);
 
     header.skip = entries.count("SKIPBYTES", 0, 0);
     if (header.skip % header.sample_bytes() != 0) entries.refuse("SKIPBYTES", "a whole number of samples");
@@ -180,18 +266,7 @@ RasterHeader read_raster_header(const std::filesystem::path& raster) {
         }
     }
 
-    for (const char* key : {"NODATA", "NODATA_VALUE"}) {
-        if (const auto* const entry = entries.find(key)) {
-            if (!parse_number<double>(entry->value)) entries.refuse(key, "a number");
-            header.no_data = entry->value;
-        }
-    }
-
-    const auto cell = entries.length("CELLSIZE"), dx = entries.length("XDIM"), dy = entries.length("YDIM");
-    if (cell) header.spacing = glm::dvec2{*cell};
-    if (dx && dy) header.spacing = glm::dvec2{*dx, *dy};
-    if (dx.has_value() != dy.has_value())
-        entries.refuse(dx ? "XDIM" : "YDIM", "there together with XDIM and YDIM both");
+    read_placement(entries, header);
     return header;
 }
 

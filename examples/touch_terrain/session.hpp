@@ -19,6 +19,7 @@ struct Summary {
     std::uint64_t updates = 0;
     std::uint64_t in_contact = 0;
     std::uint64_t buried = 0;
+    std::uint64_t refused = 0;   ///< positions with status bad_input
     double largest_force = 0;    ///< N, as felt
     Distribution patches;        ///< looked at, per update
     Distribution nanoseconds;    ///< per update, tracker and force together

@@ -1,6 +1,8 @@
 #ifndef TOUCH_TERRAIN_SESSION_LOOP_HPP
 #define TOUCH_TERRAIN_SESSION_LOOP_HPP
 
+#include "bad_input.hpp"
+#include "numbers.hpp"
 #include "session.hpp"
 
 #include <hfh/hfh.hpp>
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
 // The part of the demo that is about the library: positions in, forces and touches out.
 
@@ -28,6 +31,11 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double 
     using Clock = std::chrono::steady_clock;
 
     const hfh::BilinearGrid<T, HeightSource> grid{heights, frame};
+    if (grid.status() != hfh::GridStatus::ok) {
+        throw BadInput{"The terrain makes no surface in " + std::string{sizeof(T) == 4 ? "float" : "double"} +
+                       ": its spacing of " + rounded(frame.spacing.x) + " x " + rounded(frame.spacing.y) +
+                       " m or its height scale of " + rounded(frame.height_scale) + " is out of range."};
+    }
     hfh::ProxyTracker tracker{grid};
     const hfh::ForceEvaluator<T> force{.stiffness = static_cast<T>(stiffness)};
 
@@ -55,6 +63,7 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double 
         ++summary.updates;
         summary.in_contact += touch.contact;
         summary.buried += buried;
+        summary.refused += contact.status == hfh::ContactStatus::bad_input;
         summary.largest_force = std::max(summary.largest_force, glm::length(touch.force));
         summary.patches.add(static_cast<std::uint64_t>(std::max(0, touch.patches)));
         summary.nanoseconds.add(static_cast<std::uint64_t>((stop - start) / std::chrono::nanoseconds{1}));

@@ -24,6 +24,19 @@ glm::dvec2 seen_from_above(double s) {
     return {0.11 + 0.78 * s + 0.08 * std::sin(turn), 0.55 + 0.11 * width * std::cos(turn)};
 }
 
+/// As steep as a hand climbs that keeps its touch: a wall is higher than what this slope takes it to.
+constexpr double steepest = 2;
+
+/// The lowest heights above `heights` that rise and fall no faster than `steepest`: where a hand would be that sees a wall
+/// ahead, and comes down behind one. `steps`: metres over ground from each height to the next.
+std::vector<double> climbable(std::vector<double> heights, const std::vector<double>& steps) {
+    for (std::size_t k = 1; k < heights.size(); ++k)
+        heights[k] = std::max(heights[k], heights[k - 1] - steepest * steps[k - 1]);
+    for (std::size_t k = heights.size() - 1; k-- > 0;)
+        heights[k] = std::max(heights[k], heights[k + 1] - steepest * steps[k]);
+    return heights;
+}
+
 /// Fills holes with a straight line from rim to rim, and marks them.
 std::vector<double> bridged(std::vector<double> heights, std::vector<bool>& is_hole) {
     is_hole.assign(heights.size(), false);
@@ -58,22 +71,23 @@ std::vector<double> smoothed(const std::vector<double>& heights, std::size_t rea
     return out;
 }
 
-/// How firmly the hand presses, from 0 in the air to 1 on the ground: in the air over holes and at both ends.
-std::vector<double> pressing(const std::vector<bool>& is_hole) {
-    constexpr double at_ends = 0.6 * rate, at_holes = 0.15 * rate; // updates from air to ground
-    const std::size_t count = is_hole.size();
+/// How firmly the hand presses, from 0 in the air to 1 on the ground: in the air over what it does not touch and at both
+/// ends.
+std::vector<double> pressing(const std::vector<bool>& in_air) {
+    constexpr double at_ends = 0.6 * rate, at_rims = 0.15 * rate; // updates from air to ground
+    const std::size_t count = in_air.size();
     std::vector<double> press(count);
     for (std::size_t k = 0; k < count; ++k) {
         press[k] = smooth_step(static_cast<double>(std::min(k, count - 1 - k)) / at_ends);
     }
-    const auto lift = [&](std::size_t k, double& since_hole) {
-        since_hole = is_hole[k] ? -0.2 * at_holes : since_hole + 1; // the rim itself is left alone
-        press[k] = std::min(press[k], smooth_step(since_hole / at_holes));
+    const auto lift = [&](std::size_t k, double& since_rim) {
+        since_rim = in_air[k] ? -0.2 * at_rims : since_rim + 1; // the rim itself is left alone
+        press[k] = std::min(press[k], smooth_step(since_rim / at_rims));
     };
-    double since_hole = at_holes;
-    for (std::size_t k = 0; k < count; ++k) lift(k, since_hole);
-    since_hole = at_holes;
-    for (std::size_t k = count; k-- > 0;) lift(k, since_hole);
+    double since_rim = at_rims;
+    for (std::size_t k = 0; k < count; ++k) lift(k, since_rim);
+    since_rim = at_rims;
+    for (std::size_t k = count; k-- > 0;) lift(k, since_rim);
     return press;
 }
 
@@ -93,9 +107,16 @@ std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth) {
         stroke[k] = {static_cast<double>(k) / rate, {at.x, at.y, 0.0}};
         heights[k] = ground.height(at);
     }
-    std::vector<bool> is_hole;
-    heights = bridged(std::move(heights), is_hole);
-    const std::vector<double> slow = smoothed(heights, 100), press = pressing(is_hole);
+    std::vector<double> steps(updates - 1);
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+        const glm::dvec3 way = stroke[k + 1].position - stroke[k].position;
+        steps[k] = std::hypot(way.x, way.y);
+    }
+    std::vector<bool> in_air;
+    const std::vector<double> ground_heights = bridged(std::move(heights), in_air);
+    heights = climbable(ground_heights, steps);
+    for (std::size_t k = 0; k < updates; ++k) in_air[k] = in_air[k] || heights[k] - ground_heights[k] > depth;
+    const std::vector<double> slow = smoothed(heights, 100), press = pressing(in_air);
 
     const double hover = 3 * depth;
     for (std::size_t k = 0; k < updates; ++k) {

@@ -17,8 +17,9 @@ namespace demo {
 [[nodiscard]] double default_stiffness(const Ground& ground) noexcept;
 
 /// The built-in stroke, 20 s at 1 kHz: down onto the ground, across the middle of the terrain from west to east in
-/// loops, and off again. A hand that follows the ground, though not every bump of it; it lifts off before holes. On level
-/// ground it is `depth` metres below the surface.
+/// loops, and off again. A hand that follows the ground, though not every bump of it; it lifts off before holes, and over
+/// walls, which it could only press against: what is steeper than 63° and higher than `depth`. On level ground it is `depth`
+/// metres below the surface.
 [[nodiscard]] std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth);
 
 } // namespace demo

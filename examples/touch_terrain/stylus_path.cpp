@@ -27,7 +27,9 @@ StylusPathFile::StylusPathFile(const std::filesystem::path& file)
     }
 
     constexpr std::string_view header = "t,x,y,z";
-    if (!read_line() || text_ != header) {
+    const bool any = read_line();
+    text_ = std::string{without_byte_order_mark(text_)};
+    if (!any || text_ != header) {
         line_ = 1;
         refuse("the header is " + shown(text_) + ", but must be " + shown(header));
     }

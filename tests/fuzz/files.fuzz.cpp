@@ -87,7 +87,10 @@ void use(const demo::Terrain& terrain) {
         [&](const auto& heights) {
             if (heights.columns() < 2 || heights.rows() < 2) broken("too few samples", "");
             const BilinearGrid<double, std::remove_cvref_t<decltype(heights)>> grid{
-                heights, {.spacing = terrain.spacing.value_or(glm::dvec2{1.0})}};
+                heights,
+                {.spacing = terrain.spacing.value_or(glm::dvec2{1.0}),
+                 .height_scale = terrain.height_scale,
+                 .height_offset = terrain.height_offset}};
             if (!open.any_spacing && grid.status() != GridStatus::ok)
                 broken("a terrain that makes no grid", std::to_string(static_cast<int>(grid.status())));
             const CellRange cells = grid.cells();
@@ -185,10 +188,11 @@ void append_chunk(std::string& out, std::string_view type, std::string_view data
 
 /// A header whose keys are right, with values that may be.
 [[nodiscard]] std::string raster_header(Bytes& bytes) {
-    constexpr std::array<std::string_view, 16> keys{
-        "NROWS",     "NCOLS",     "NBITS",        "PIXELTYPE",     "NBANDS", "LAYOUT",
-        "BYTEORDER", "SKIPBYTES", "BANDROWBYTES", "TOTALROWBYTES", "NODATA", "NODATA_VALUE",
-        "CELLSIZE",  "XDIM",      "YDIM",         "ULXMAP"};
+    constexpr std::array<std::string_view, 22> keys{
+        "NROWS",       "NCOLS",     "NBITS",        "PIXELTYPE",     "NBANDS", "LAYOUT",
+        "BYTEORDER",   "SKIPBYTES", "BANDROWBYTES", "TOTALROWBYTES", "NODATA", "NODATA_VALUE",
+        "NODATAVALUE", "DATATYPE",  "CELLSIZE",     "XDIM",          "YDIM",   "ULXMAP",
+        "ULYMAP",      "YLLCORNER", "YLLCENTER",    "# a comment"};
     constexpr std::array<std::string_view, 24> values{
         "8",     "16",     "32",    "64",         "UNSIGNEDINT", "SIGNEDINT",
         "FLOAT", "BIL",    "I",     "M",          "LSBFIRST",    "1",
@@ -206,7 +210,29 @@ void append_chunk(std::string& out, std::string_view type, std::string_view data
     return out;
 }
 
+/// A map in one of its forms, with numbers and words that may be.
+[[nodiscard]] std::string map_text(Bytes& bytes) {
+    constexpr std::array<std::string_view, 12> maps{
+        "GEOGCS[\"a\",DATUM[\"b\",SPHEROID[\"c\",6378137,298.25]],UNIT[\"Degree\",0.0174532925199433]]",
+        "PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"Degree\",0.01]],UNIT[\"Foot_US\",0.3048006096012192]]",
+        "COMPD_CS[\"a\",LOCAL_CS[\"b\",UNIT[\"m\",1]],VERT_CS[\"c\",UNIT[\"ft\",0.3048]]]",
+        "GEOGCRS[\"a\",CS[ellipsoidal,2],AXIS[\"x\",east,ANGLEUNIT[\"degree\",0.01745]]],VERTCS[\"b\",UNIT["
+        "\"m\",-1]]",
+        "GEOGCS[\"a\",SPHEROID[\"c\",1e308,0],UNIT[\"Degree\",1e300]]",
+        "PROJCS(\"a\",UNIT(\"m\",1e-300))",
+        "Projection GEOGRAPHIC\nUnits DD\nZunits FEET\n",
+        "Projection UTM\nUnits METERS\n",
+        "[",
+        "",
+        "GEOGCS[UNIT[0.0174532925199433],SPHEROID[6378137,1e-300]]",
+        "GEOGCS[UNIT[1],SPHEROID[1,1.5]]"};
+    const std::uint8_t which = bytes.byte();
+    return which < 224 ? std::string{maps[which % maps.size()]}
+                       : std::string{text(bytes).substr(0, bytes.byte())};
+}
+
 void read_rasters(Bytes& bytes, bool flt) {
+    (void)directory().write("raster.prj", bytes.byte() % 3 == 0 ? "" : map_text(bytes));
     std::string header, samples;
     if (bytes.flag()) {
         header = raster_header(bytes);
@@ -221,7 +247,17 @@ void read_rasters(Bytes& bytes, bool flt) {
     }
     directory().write("raster.hdr", header);
     const auto file = directory().write(flt ? "raster.flt" : "raster.bil", samples);
-    guarded([&] { use(demo::read_terrain(file)); });
+    const demo::ReadOptions options{.unit = bytes.flag() ? std::optional{1e-3} : std::nullopt};
+    guarded([&] { use(demo::read_terrain(file, options)); });
+}
+
+/// A channel or an encoding that somebody may ask for.
+[[nodiscard]] demo::ReadOptions image_options(Bytes& bytes) {
+    constexpr std::array<const char*, 8> channels{"", "", "", "grey", "red", "alpha", "2", "4"};
+    demo::ReadOptions options;
+    options.encoding = static_cast<demo::Encoding>(bytes.byte() % 8 < 3 ? bytes.byte() % 3 : 0);
+    options.channel = channels[bytes.byte() % channels.size()];
+    return options;
 }
 
 void read_path(const std::filesystem::path& file) {
@@ -245,8 +281,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Bytes bytes{data, size};
     switch (bytes.byte() % 6) {
     case 0: {
+        const demo::ReadOptions options = image_options(bytes);
         const auto file = directory().write("terrain.png", png(bytes));
-        guarded([&] { use(demo::read_terrain(file)); });
+        guarded([&] { use(demo::read_terrain(file, options)); });
         break;
     }
     case 1: {
