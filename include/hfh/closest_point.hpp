@@ -222,7 +222,7 @@ template <Real T>
 [[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
                                                                 const typename DistanceFunction<T>::Value& f,
                                                                 vec2<T>& at) noexcept {
-    if (!(f.determinant > f.gauss_newton / 16)) return NewtonStep::refused;
+    if (!(f.determinant > f.gauss_newton / 2)) return NewtonStep::refused;
     // The step times the determinant: where this meets a border is known without waiting for the quotient.
     const T way_u = f.fuv * f.fv - f.fvv * f.fu, way_v = f.fuv * f.fu - f.fuu * f.fv;
     const T scale = T(1) / f.determinant;
@@ -267,6 +267,8 @@ template <Real T>
         if (!little) [[unlikely]] {
             const StepProfile<T> profile{distance, f, du, dv};
             part = profile.up_to_first_minimum();
+            // A small part of it is no way along a bent valley.
+            if (part < T(0.25)) return NewtonStep::refused;
             if (part < 1 && !(4 * profile.change(part) * f.fuu * f.fvv <= -worth)) return NewtonStep::refused;
         }
         if (part < 1) {
@@ -288,20 +290,34 @@ struct FloorPath {
     [[nodiscard]] vec2<T> at(T along) const noexcept {
         return along_v ? vec2<T>{distance.best_u(along), along} : vec2<T>{along, distance.best_v(along)};
     }
-    /// Whether F falls on the way from one place to another, as far as its slope at four places tells.
+    /// Whether F falls on a short way from one place to another, as far as itself and its slope at nine places tell. Not
+    /// where the slope across the valley changes by half on the way: there the floor may bend too sharply for that.
     [[nodiscard]] bool falls(T from, T to) const noexcept {
-        for (const T part : {T(0.25), T(0.5), T(0.75), T(1)}) {
-            const vec2<T> here = at(from + part * (to - from));
+        const T across = slope_across(from), across_there = slope_across(to);
+        if (!(across * across_there > 0) || std::abs(across) > 2 * std::abs(across_there) ||
+            std::abs(across_there) > 2 * std::abs(across)) {
+            return false;
+        }
+        T last = std::numeric_limits<T>::max();
+        for (int eighth = 0; eighth <= 8; ++eighth) {
+            const vec2<T> here = at(from + static_cast<T>(eighth) / 8 * (to - from));
             const auto f = distance(here.x, here.y);
-            if ((along_v ? f.fv : f.fu) * (to - from) > 0) return false;
+            const T squared = distance.squared(here.x, here.y, f.z);
+            if ((along_v ? f.fv : f.fu) * (to - from) > 0 || squared > last) return false;
+            last = squared;
         }
         return true;
     }
+
+private:
+    [[nodiscard]] T slope_across(T along) const noexcept {
+        return along_v ? distance.slope_u(along) : distance.slope_v(along);
+    }
 };
 
-/// A step to a point of the valley's floor: straight, as far as F falls all along, or down to the floor and along it where
-/// the straight way leads over the valley's side. Leaves `at` alone and returns false if no such step lowers F by more
-/// than `gain` (< 0) does.
+/// A step to a point of the valley's floor: straight, as far as F falls all along, or, where the straight way leads over
+/// the valley's side at once, down to the floor and along it. Leaves `at` alone and returns false if no such step lowers F
+/// by more than `gain` (< 0) does.
 template <Real T>
 [[nodiscard]] bool valley_step(const DistanceFunction<T>& distance,
                                const typename DistanceFunction<T>::Value& f, T gain, vec2<T>& at) noexcept {
@@ -318,7 +334,7 @@ template <Real T>
         const StepProfile<T> profile{distance, f, floor.x - at.x, floor.y - at.y};
         const T part = profile.up_to_first_minimum(), straight = profile.change(part),
                 whole = profile.change(T(1));
-        if (straight < gain && 4 * straight <= whole) {
+        if (straight < gain && part >= T(0.25)) {
             at = part < 1 ? at + part * (floor - at) : floor;
             return true;
         }
@@ -326,7 +342,7 @@ template <Real T>
             at = floor;
             return true;
         }
-        if (!(whole < last)) return false; // the best step of all was longer
+        if (whole < 0 && !(whole < last)) return false; // the best step of all was longer
         last = whole;
     }
     return false;
