@@ -250,11 +250,11 @@ TEST_CASE("ForceGuard: buried gives zero until it is over, then the ramp", "[for
 
 TEST_CASE("ForceGuard: what the device refused is let go of", "[force_guard]") {
     auto bench = warm();
-    bench.sample.let_go = true;
+    bench.sample.force_refused = true;
     const auto result = bench.step();
     CHECK(result.trip == GuardTrip::device_fault);
     CHECK(is_zero(result.newtons));
-    bench.sample.let_go = false;
+    bench.sample.force_refused = false;
     check_comes_back_by_the_ramp(bench);
     CHECK(bench.trips(GuardTrip::device_fault) == 1);
 }

@@ -17,7 +17,7 @@ struct DeviceSample {
     glm::dvec3 velocity{0.0};  ///< metres per second, if `has_velocity`
     bool has_velocity = false; ///< the device measures it
     unsigned buttons = 0;      ///< bit k: button k is down
-    bool let_go = false;       ///< the device refused the last force: no force now, and forget the contact
+    bool force_refused = false;       ///< the device refused the last force: no force now, and forget the contact
 };
 
 /// What to do until the next sample.

@@ -18,7 +18,7 @@ enum class GuardTrip : unsigned char {
     bad_limits,   ///< a limit is no number to go by: no force, ever
     bad_sample,   ///< time or position: NaN, ±∞ or beyond 2⁶⁴
     bad_force,    ///< the force asked for: NaN, ±∞ or beyond 2⁶⁴ N
-    device_fault, ///< the device says that it refused a force (`DeviceSample::let_go`)
+    device_fault, ///< the device says that it refused a force (`DeviceSample::force_refused`)
     stale,        ///< time fell, or went on by more than `max_gap`: the last force was felt for too long
     repeated,     ///< the same time for more than `max_repeats` updates, or the same place for `max_still`
     jump,         ///< farther from the last sample than a hand gets
@@ -166,7 +166,7 @@ private:
         unsigned causes = 0;
         if (!usable_) causes |= bit(GuardTrip::bad_limits);
         if (!detail::is_tame(newtons)) causes |= bit(GuardTrip::bad_force);
-        if (sample.let_go) causes |= bit(GuardTrip::device_fault);
+        if (sample.force_refused) causes |= bit(GuardTrip::device_fault);
         if (buried) causes |= bit(GuardTrip::buried);
         const bool good_time = detail::is_tame(sample.time), good_place = detail::is_tame(sample.position);
         if (!good_time || !good_place) return causes | bit(GuardTrip::bad_sample);

@@ -122,7 +122,7 @@ private:
         unsigned causes = 0;
         if (!is_number(update.asked)) causes |= bit(GuardTrip::bad_force);
         if (update.buried) causes |= bit(GuardTrip::buried);
-        if (update.sample.let_go) causes |= bit(GuardTrip::device_fault);
+        if (update.sample.force_refused) causes |= bit(GuardTrip::device_fault);
         const DeviceSample& now = update.sample;
         if (!is_number(now.time) || !is_number(now.position)) return causes | bit(GuardTrip::bad_sample);
         if (good_.empty()) return causes;
@@ -199,7 +199,7 @@ public:
         if (random_.one_in(4 * calm_)) update.sample.time = nasty(random_);
         if (is_number(update.sample.time) && update.sample.time > 1e6) update.sample.time = time_;
         update.buried = random_.one_in(2 * calm_);
-        update.sample.let_go = random_.one_in(2 * calm_);
+        update.sample.force_refused = random_.one_in(2 * calm_);
         update.rearmed = random_.one_in(calm_);
         return update;
     }
