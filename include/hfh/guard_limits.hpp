@@ -110,7 +110,7 @@ namespace detail {
 /// a strong device, 8.5 N, is not there before 8.5 ms. Stiffness × speed for the stiffest device would let it be there
 /// in one.
 ///
-/// max_gap is the device's period and 10 ms of jitter; max_repeats is that at 8 kHz.
+/// max_gap is two periods of the device and 10 ms of jitter; max_repeats is that at 8 kHz.
 [[nodiscard]] inline GuardLimits guard_limits(const DeviceCapabilities& device) noexcept {
     const auto told = [](const double& x) { return detail::is_limit(x) && x > 0; };
     GuardLimits limits;
@@ -119,7 +119,7 @@ namespace detail {
     if (told(device.max_stiffness)) limits.stiffness = device.max_stiffness;
     // Once a minute would be no device in a hand.
     if (told(device.rate) && device.rate > 1.0 / 60) {
-        limits.max_gap = 0.01 + 1 / device.rate;
+        limits.max_gap = 0.01 + 2 / device.rate;
         limits.max_repeats = static_cast<int>(8000 * limits.max_gap + 0.5);
     }
     return limits;
