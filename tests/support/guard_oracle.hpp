@@ -79,6 +79,8 @@ public:
 
         const char* broken = judge(update, gravest, good_.size() > 1 ? before : latest_);
         sent_ = update.result.newtons;
+        // A told time that is later than this one is out of order; if it is too late for that, it was for this update only.
+        if (good && (sent_at_ < latest_ || sent_at_ > latest_ + wide(limits_.max_gap))) sent_at_ = latest_;
         const bool released = now.release && distance(sent_, glm::dvec3{0.0}) == 0; // -0 is zero as well
         if (update.result.released != released) broken = "says if it is released";
         if (released) {
@@ -86,8 +88,6 @@ public:
             intervals_.clear();
             repeats_ = 0;
             start_ramp();
-        } else if (good) {
-            sent_at_ = latest_;
         }
         return broken;
     }
@@ -127,12 +127,13 @@ private:
         const long double asked = distance(update.asked, glm::dvec3{0.0});
         const long double wanted = asked > most ? most : asked;
         if (asked_ < 0 || ramp == 0) {
-            owed_ = 0;
+            owed_ = spare_ = 0;
         } else {
             owed_ = owed_ > part * most ? owed_ - part * most : 0.0L;
-            const long double made = wide(limits_.stiffness) * moved_;
-            if (wanted - asked_ > made) owed_ += wanted - asked_ - made;
+            const long double rise = wanted - asked_, made = wide(limits_.stiffness) * moved_;
+            if (rise > made + spare_) owed_ += rise - made - spare_;
             if (owed_ > wanted) owed_ = wanted;
+            spare_ = rise <= 0 ? made : rise < made ? made - rise : 0.0L;
         }
         asked_ = wanted;
         const long double sudden = wide(limits_.max_sudden);
@@ -157,7 +158,7 @@ private:
         sent_ = is_number(now.sent) ? now.sent : glm::dvec3{0.0};
         const long double length = distance(sent_, glm::dvec3{0.0}), most = wide(limits_.max_force);
         if (length > most) sent_ *= static_cast<double>(most / length);
-        sent_at_ = is_number(now.sent_at) ? wide(now.sent_at) : 0x1p64L;
+        sent_at_ = is_number(now.sent_at) ? std::max(sent_at_, wide(now.sent_at)) : 0x1p64L;
     }
 
     [[nodiscard]] unsigned find_causes(const GuardUpdate& update) {
@@ -222,7 +223,7 @@ private:
     long double latest_ = 0, changed_at_ = 0, moved_ = 0;
     glm::dvec3 sent_{0.0}; ///< N, at the motors
     long double sent_at_ = 0;
-    long double gain_ = 0, asked_ = -1, owed_ = 0; ///< asked_ < 0: nothing was asked for before
+    long double gain_ = 0, asked_ = -1, owed_ = 0, spare_ = 0; ///< asked_ < 0: nothing was asked for before
     int repeats_ = 0;
     unsigned trips_[guard_trip_count]{};
     unsigned last_causes_ = 0;
