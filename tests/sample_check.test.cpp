@@ -178,7 +178,7 @@ TEST_CASE("SampleCheck: a device at steady intervals is held to its own speed so
                 told = check.update(limits, n / rate, place);
                 REQUIRE_FALSE((told.jump || told.stale || told.repeated));
             }
-            // From where the scatter of the first intervals has faded to less than a micrometre.
+            // The scatter of the beginning has faded to less than a micrometre by now.
             place.y += 0.0005 + 5 / rate + excess;
             told = check.update(limits, 700 / rate, place);
             CHECK(told.jump == (excess > 0));
@@ -232,6 +232,7 @@ TEST_CASE("guard_limits: what the device tells, else what GuardLimits says", "[s
     CHECK(guard_limits(device).max_slew == 1);
     CHECK(guard_limits(device).max_gap == Approx(0.012));
     CHECK(guard_limits(device).max_repeats == 96);
+    CHECK(guard_limits(device).period == 0.001);
     device.max_slew = 0.2;
     CHECK(guard_limits(device).max_slew == 0.2);
     device.rate = 100;
