@@ -204,6 +204,29 @@ TEST_CASE("SampleCheck: an encoder in slow motion and a hand at rest do not make
     }
 }
 
+TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its first move came about",
+          "[sample_check]") {
+    for (const bool known : {true, false}) {
+        for (const double speed : {4.9, 8.0, 12.0}) {
+            const GuardLimits limits = known ? guard_limits({.rate = 1000}) : GuardLimits{};
+            SampleCheck check;
+            glm::dvec3 place{0.0};
+            double since = 0;
+            int jumps = 0;
+            for (int n = 0; n < 1200; ++n) {
+                if (n > 1000) place.y += 0.001 * speed; // from rest at once
+                const auto told = check.update(limits, 0.001 * n, place);
+                jumps += told.jump;
+                if (jumps == 0 && n > 1000) since += 0.001;
+            }
+            CAPTURE(known, speed, since);
+            CHECK((jumps > 0) == (speed > 5));
+            // What it is ahead of max_speed by is at most max_step and max_gap at that speed.
+            if (speed > 5) CHECK((speed - 5) * since <= limits.max_step + 5 * limits.max_gap);
+        }
+    }
+}
+
 TEST_CASE("SampleCheck: forgets", "[sample_check]") {
     SampleCheck check;
     const GuardLimits limits;
