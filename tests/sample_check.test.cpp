@@ -263,6 +263,10 @@ TEST_CASE("guard_limits: what the device tells, else what GuardLimits says", "[s
     CHECK(guard_limits(device).max_gap == Approx(0.03));
     CHECK(guard_limits(device).max_repeats == 240);
 
+    for (const double slow : {1.0, 49.0}) { // in kHz, or no device in a hand
+        CHECK(guard_limits({.rate = slow}).max_gap == plain.max_gap);
+        CHECK(guard_limits({.rate = slow}).period == 0);
+    }
     for (const double bad :
          {make_nan(), make_infinity(), -make_infinity(), make_largest(), -1.0, 0.0, make_denormal(), -0.0}) {
         const auto limits =

@@ -113,15 +113,15 @@ namespace detail {
 /// a strong device, 8.5 N, is not there before 8.5 ms. Stiffness × speed for the stiffest device would let it be there
 /// in one.
 ///
-/// max_gap is two periods of the device and 10 ms of jitter; max_repeats is that at 8 kHz.
+/// max_gap is two periods of the device and 10 ms of jitter; max_repeats is that at 8 kHz. A rate below 50 Hz counts as not
+/// told: taken at its word, a rate in kHz would let a force stand for seconds.
 [[nodiscard]] inline GuardLimits guard_limits(const DeviceCapabilities& device) noexcept {
     const auto told = [](const double& x) { return detail::is_limit(x) && x > 0; };
     GuardLimits limits;
     if (told(device.max_force)) limits.max_force = device.max_force;
     if (told(device.max_slew)) limits.max_slew = device.max_slew;
     if (told(device.max_stiffness)) limits.stiffness = device.max_stiffness;
-    // Once a minute would be no device in a hand.
-    if (told(device.rate) && device.rate > 1.0 / 60) {
+    if (told(device.rate) && device.rate >= 50) {
         limits.period = 1 / device.rate;
         limits.max_gap = 0.01 + 2 * limits.period;
         limits.max_repeats = static_cast<int>(8000 * limits.max_gap + 0.5);
