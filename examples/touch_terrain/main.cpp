@@ -55,7 +55,7 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
     }
     const hfh::WorkspaceFrame frame = fit(model, ground, wanted, room);
     if (!file) wanted = built_in_stroke(ground, depth * frame.scale);
-    device.emplace(model, frame, std::move(wanted));
+    device.emplace(model, frame, setup.stiffness, std::move(wanted));
     setup.terrain_stiffness = device->workspace().terrain_stiffness(setup.stiffness);
 }
 
