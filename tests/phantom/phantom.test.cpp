@@ -2,6 +2,7 @@
 #include "fake_hd.hpp"
 
 #include "openhaptics.hpp"
+#include "phantom_device.hpp"
 #include "scene.hpp"
 
 #include <algorithm>
@@ -77,10 +78,11 @@ TEST_CASE("phantom: calls in the order that the driver asks for, and leaves it a
     CHECK(hd.breaches == Names{});
     CHECK(hd.calls.front() == "error");
     CHECK(without_errors(hd.calls) == Names{"init", "workspace", "max force", "stiffness", "rate",
-                                            "enable output", "enable ramping", "enable clamping", "schedule",
-                                            "start", "disable output", "stop", "unschedule", "close"});
-    CHECK(hd.in_tick ==
-          Names{"begin", "check calibration", "position", "velocity", "buttons", "force", "end", "error"});
+                                            "continuous force", "impulse", "model", "enable output",
+                                            "enable ramping", "enable clamping", "schedule", "start",
+                                            "disable output", "stop", "unschedule", "close"});
+    CHECK(hd.in_tick == Names{"begin", "check calibration", "temperature", "inkwell", "safety", "position",
+                              "velocity", "buttons", "force", "end", "error"});
     CHECK(hd.priority == HD_MAX_SCHEDULER_PRIORITY);
     CHECK_FALSE(hd.open);
 }
@@ -152,7 +154,7 @@ TEST_CASE("phantom: a device that does not open, or does not start, is not avail
     CHECK(hd.breaches == Names{});
     CHECK_FALSE(hd.open);
     CHECK_FALSE(hd.started);
-    CHECK(hd.callback == nullptr);
+    CHECK(hd.scheduled.empty());
 }
 
 TEST_CASE("phantom: a force error lets go of the contact, and the run goes on", "[phantom]") {
@@ -183,7 +185,7 @@ TEST_CASE("phantom: force errors without an end end the run", "[phantom]") {
     auto& hd = fresh();
     Phantom device{nullptr, {.max_force_errors = 7}};
     hd.before_update = [&](int n) {
-        if (n >= 20) hd.errors.push_back(HD_WARM_MOTORS);
+        if (n >= 20) hd.errors.push_back(HD_EXCEEDED_MAX_FORCE);
     };
     Asks asks;
     CHECK(device.run(asks) == DeviceEnd::force_fault);
@@ -199,8 +201,8 @@ TEST_CASE("phantom: any other error ends the run at once, with the force at zero
     const auto [code, end] =
         GENERATE(Case{HD_COMM_ERROR, DeviceEnd::lost}, Case{HD_COMM_CONFIG_ERROR, DeviceEnd::lost},
                  Case{HD_FRAME_ERROR, DeviceEnd::fault}, Case{HD_ILLEGAL_BEGIN, DeviceEnd::fault},
-                 Case{HD_ILLEGAL_END, DeviceEnd::fault}, Case{HD_DEVICE_FAULT, DeviceEnd::fault},
-                 Case{HD_TIMER_ERROR, DeviceEnd::fault}, Case{12345u, DeviceEnd::fault});
+                 Case{HD_ILLEGAL_END, DeviceEnd::fault}, Case{HD_TIMER_ERROR, DeviceEnd::fault},
+                 Case{12345u, DeviceEnd::fault});
     const bool with_force_error = GENERATE(false, true);
     auto& hd = fresh();
     Phantom device;
