@@ -287,12 +287,14 @@ void hdUnschedule(HDSchedulerHandle handle) {
 }
 
 void hdStartScheduler() {
-    const auto locked = lock();
+    auto locked = lock();
     note("start");
     must(!fake_hd().started, "started once");
     raise(fake_hd().start_error);
     fake_hd().started = fake_hd().start_error == 0;
-    if (fake_hd().started) start_hand();
+    if (!fake_hd().started) return;
+    locked.unlock(); // it may tick before this returns
+    start_hand();
 }
 
 void hdStopScheduler() {
