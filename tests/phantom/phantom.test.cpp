@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -217,6 +218,172 @@ TEST_CASE("phantom: any other error ends the run at once, with the force at zero
     CHECK(device.report().last_error == code);
     CHECK_FALSE(hd.started);
     CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: with warm motors there is no force until they have cooled, and the run goes on",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    const bool tells = GENERATE(true, false); // the temperature
+    if (!tells) hd.unknown = {HD_MOTOR_TEMPERATURE};
+    Phantom device;
+    std::vector<bool> zero;
+    hd.before_update = [&](int n) {
+        if (n > 0) zero.push_back(forceless(hd)); // what tick n - 1 has set
+        if (n >= 50 && n < 250) hd.errors.push_back(HD_WARM_MOTORS);
+        hd.temperature[2] = n < 40 ? 0.2 : n < 300 ? 1.0 : n < 4000 ? 0.51 : 0.49;
+        if (n == 200) {
+            CHECK(device.report().withheld == phantom::Withheld::warm_motors);
+            CHECK(device.report().temperature == (tells ? std::optional{1.0} : std::nullopt));
+        }
+    };
+    Asks asks{.often = 6000};
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    REQUIRE(asks.samples.size() == 6000);
+    // Without a temperature, when the last error is more than 5 s ago; the fake's tick takes a millisecond.
+    const std::size_t cooled = tells ? 4001 : 249 + 5001 + 1;
+    for (std::size_t n = 0; n < 5999; ++n) {
+        const bool warm = n > 50 && n < cooled;
+        CAPTURE(n, tells);
+        if (asks.samples[n].force_refused != warm) CHECK(asks.samples[n].force_refused == warm);
+        if (zero[n] != warm) CHECK(zero[n] == warm);
+    }
+    CHECK(device.report().force_errors == 200);
+    CHECK(device.report().withheld == phantom::Withheld::none);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: a device fault lets go of the contact, and the run goes on once the driver has recovered",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    std::vector<bool> zero;
+    hd.before_update = [&](int n) {
+        if (n > 0) zero.push_back(forceless(hd));
+        if (n >= 50 && n < 450) hd.errors.push_back(HD_DEVICE_FAULT);
+        if (n == 400) CHECK(device.report().withheld == phantom::Withheld::device_fault);
+    };
+    Asks asks{.often = 600};
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    REQUIRE(asks.samples.size() == 600);
+    for (std::size_t n = 0; n < 599; ++n) {
+        const bool faulty = n > 50 && n <= 450;
+        if (asks.samples[n].force_refused != faulty) CHECK(asks.samples[n].force_refused == faulty);
+        if (zero[n] != faulty) CHECK(zero[n] == faulty);
+    }
+    CHECK(device.report().device_faults == 400);
+    CHECK(device.report().last_error == HD_DEVICE_FAULT);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: a stop before the run ends that run, and only that", "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    device.stop();
+    Asks asks;
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(asks.samples.empty());
+    CHECK_FALSE(hd.started);
+    CHECK(hd.enabled.empty()); // the motors were never on
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(asks.samples.size() == 100);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: of errors that come together the gravest counts, of equally grave ones the most recent",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    hd.before_update = [&](int n) {
+        if (n == 10) {
+            hd.errors.push_back(HD_EXCEEDED_MAX_FORCE);
+            hd.errors.push_back(HD_EXCEEDED_MAX_VELOCITY); // on top of the stack
+        }
+        if (n == 20) {
+            CHECK(device.report().last_error == HD_EXCEEDED_MAX_VELOCITY);
+            hd.errors.push_back(HD_DEVICE_FAULT);
+            hd.errors.push_back(HD_FORCE_ERROR);
+        }
+        if (n == 30) CHECK(device.report().last_error == HD_DEVICE_FAULT);
+    };
+    Asks asks;
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(device.report().force_errors == 1);
+    CHECK(device.report().device_faults == 1);
+}
+
+TEST_CASE("phantom: what the driver tells of the device is told on", "[phantom][regression]") {
+    auto& hd = fresh();
+    SECTION("all of it") {
+        hd.temperature[1] = 0.4;
+        hd.inkwell = false;
+        Phantom device;
+        CHECK(device.capabilities().resolution == Approx(0.055e-3));
+        CHECK(device.motors().continuous_force == 0.88);
+        CHECK(device.motors().impulse == 0.7);
+        Asks asks;
+        CHECK(device.run(asks) == DeviceEnd::stopped);
+        CHECK(device.report().temperature == 0.4);
+        CHECK(device.report().inkwell_switch == false);
+        CHECK(device.report().safety_switch == true);
+    }
+    SECTION("none of it, with an error each, which ends nothing and comes once") {
+        hd.unknown = {HD_NOMINAL_MAX_CONTINUOUS_FORCE,
+                      HD_SOFTWARE_FORCE_IMPULSE_LIMIT,
+                      HD_DEVICE_MODEL_TYPE,
+                      HD_MOTOR_TEMPERATURE,
+                      HD_CURRENT_INKWELL_SWITCH,
+                      HD_CURRENT_SAFETY_SWITCH};
+        Phantom device;
+        CHECK(device.is_open());
+        CHECK(device.capabilities().resolution == 0);
+        CHECK(device.motors().continuous_force == 0);
+        CHECK(device.motors().impulse == 0);
+        for (int run = 0; run < 2; ++run) {
+            Asks asks;
+            CHECK(device.run(asks) == DeviceEnd::stopped);
+            CHECK(asks.samples.size() == 100);
+            CHECK_FALSE(device.report().temperature);
+            CHECK_FALSE(device.report().inkwell_switch);
+            CHECK_FALSE(device.report().safety_switch);
+            CHECK(std::count(hd.in_tick.begin(), hd.in_tick.end(), "safety") == 0);
+        }
+    }
+    SECTION("an error that is none of the questions' is still heard") {
+        hd.before_update = [&](int n) {
+            if (n == 0) hd.errors.push_back(HD_WARM_MOTORS);
+        };
+        Phantom device;
+        Asks asks;
+        CHECK(device.run(asks) == DeviceEnd::stopped);
+        CHECK(device.report().force_errors == 1);
+        CHECK(asks.samples[1].force_refused);
+    }
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: position resolutions by the model's name", "[phantom]") {
+    const auto of = [](const char* model) { return phantom::OpenHaptics::resolution_of(model); };
+    CHECK(of("Touch") == 0.055);
+    CHECK(of("PHANTOM Omni") == 0.055);
+    CHECK(of("Touch X") == 0.023);
+    CHECK(of("PHANTOM Desktop") == 0.023);
+    CHECK(of("PHANTOM Premium 1.5") == 0.03);
+    CHECK(of("PHANTOM Premium 1.5 High Force") == 0.007);
+    CHECK(of("Something else") == 0);
+}
+
+TEST_CASE("phantom: a device that is opened while another runs is not opened", "[phantom]") {
+    auto& hd = fresh();
+    Phantom device;
+    hd.before_update = [&](int n) {
+        if (n == 10) CHECK_FALSE(Phantom{"second"}.is_open());
+    };
+    Asks asks;
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(asks.samples.size() == 100);
+    CHECK_FALSE(hd.second.open);
+    CHECK(hd.breaches == Names{});
+    CHECK(Phantom{"second"}.is_open());
 }
 
 TEST_CASE("phantom: a driver that stops calling back is lost", "[phantom]") {
