@@ -34,7 +34,7 @@ struct Options {
     double late_after = 1e-3;   ///< s past when it was due (the last one + 1/rate): the update counts as late
     int max_force_errors = 100; ///< updates in a row with a force error (warm motors aside) that end the run
     double patience = 1;        ///< s without an update that end the run
-    double take_back = 0.1;     ///< s in which a force goes down to zero before a calibration
+    double take_back = 1; ///< s from the wish for a calibration to a force of zero, if the tick takes longer
     /// Of the temperature that counts as warm: below it motors count as cool again. PreventWarmMotors, an example of the
     /// SDK, waits for 0.5 as well.
     double cool_below = 0.5;
@@ -47,7 +47,7 @@ enum class Withheld : unsigned char {
     force_error,  ///< too much force, impulse or velocity in the last update
     warm_motors,  ///< until they have cooled
     device_fault, ///< the device has switched itself off, and the driver is bringing it back
-    calibration   ///< going down, or zero, until the device is calibrated
+    calibration   ///< on its way to zero, or zero until the device is calibrated
 };
 
 [[nodiscard]] constexpr const char* to_string(Withheld why) noexcept {
@@ -77,12 +77,6 @@ struct Report {
     std::optional<bool> safety_switch{};  ///< as the driver tells it
 };
 
-/// What the maker says of the motors. Zero where the driver does not tell.
-struct MotorLimits {
-    double continuous_force = 0; ///< N, that they can give for ever
-    double impulse = 0;          ///< N/ms: a faster change of the force raises an error
-};
-
 /// Opens the device on construction, closes it on destruction. Sequence and meaning are those of the HDAPI as its
 /// public reference, its header and its examples ErrorHandling and PreventWarmMotors tell them.
 ///
@@ -99,9 +93,12 @@ struct MotorLimits {
 /// Any other error ends the run, as `lost` or `fault`.
 ///
 /// Calibration. The position jumps when the device is calibrated, so the force has to be zero by then. From the update in
-/// which the device asks for it the force goes down within `take_back` while the tick goes on; at zero the device is
-/// calibrated, where it can do that by itself or in its inkwell, and the tick is not called, for the position is not to
-/// be trusted. The first sample after that says `force_refused`.
+/// which the device asks for it the tick is told by `release` to take the force back; whatever the tick does, the force is
+/// shortened to zero within `take_back`. Then the device is calibrated, where it can do that by itself or in its
+/// inkwell, and the tick is not called, for the position is not to be trusted. The first sample after that says
+/// `force_refused`. If the device wants no calibration any more before the force is zero, the tick goes on.
+///
+/// Every sample but a run's first tells what the motors got in the update before (`sent`), with or without a tick in it.
 template <HapticApi Api, class Clock = SteadyClock>
 class PhantomDevice {
 public:
@@ -134,7 +131,8 @@ public:
 
     [[nodiscard]] bool is_open() const noexcept { return is_open_; }
     [[nodiscard]] hfh::DeviceCapabilities capabilities() const noexcept { return capabilities_; }
-    [[nodiscard]] MotorLimits motors() const noexcept { return motors_; }
+    /// N that the motors can give for ever without getting warm; 0 where the driver does not tell.
+    [[nodiscard]] double continuous_force() const noexcept { return continuous_force_; }
 
     /// Ends the run at its next update; without one, the next run before it begins. Safe in a signal handler.
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
@@ -195,10 +193,11 @@ private:
             .max_force = api_.nominal_max_force(),
             .max_stiffness = 1000 * api_.nominal_max_stiffness(),
             .rate = api_.update_rate(),
-            .workspace = {(box[3] - box[0]) / 1000, (box[5] - box[2]) / 1000, (box[4] - box[1]) / 1000}};
+            .workspace = {(box[3] - box[0]) / 1000, (box[5] - box[2]) / 1000, (box[4] - box[1]) / 1000},
+            .delay = hfh::unknown_delay}; // HDAPI does not say when a frame's force begins to act
         if constexpr (MonitoredApi<Api>) {
-            motors_ = {.continuous_force = api_.nominal_max_continuous_force(),
-                       .impulse = api_.force_impulse_limit()};
+            continuous_force_ = api_.nominal_max_continuous_force();
+            capabilities_.max_slew = api_.force_impulse_limit();
             capabilities_.resolution = api_.resolution() / 1000;
         }
         Shared::discard_errors(api_); // a driver that does not know one of them has said so
@@ -282,11 +281,16 @@ private:
                                        .velocity = z_up(velocity) / 1000.0,
                                        .has_velocity = true,
                                        .buttons = api_.buttons(),
-                                       .force_refused = is_refused};
+                                       .force_refused = is_refused,
+                                       .release = trust_ == Trust::ending,
+                                       .has_sent = report_.updates > 1,
+                                       .sent = sent_,
+                                       .sent_at = sent_at_};
         hfh::DeviceCommand command;
         if (trust_ != Trust::gone) command = tick(sample);
         if (stop_.load(std::memory_order_relaxed)) command.go_on = false;
         sent_ = glm::dvec3{0.0};
+        sent_at_ = now;
         if (command.go_on && !is_refused && hfh::is_finite(command.newtons))
             sent_ = taken_back(command.newtons);
         double force[3]{sent_.x, sent_.z, -sent_.y};
@@ -348,17 +352,22 @@ private:
     /// Follows what the device wants of calibration. True in the one update in which the position is good again.
     bool trust(double passed) noexcept {
         const bool is_ok = report_.calibration == Calibration::ok;
-        if (trust_ == Trust::good && !is_ok) {
+        const Trust before = trust_;
+        if (is_ok) {
+            trust_ = Trust::good;
+        } else if (report_.updates == 1) {
+            trust_ = Trust::gone; // no tick has been called in this run, nor a force given
+        } else if (before == Trust::good) {
             trust_ = Trust::ending;
             most_ = fall_from_ = glm::length(sent_);
-        } else if (trust_ == Trust::ending) {
+        } else if (before == Trust::ending && sent_ == glm::dvec3{0.0}) {
+            trust_ = Trust::gone;
+        }
+        if (trust_ == Trust::ending) {
             const double part = options_.take_back > passed ? passed / options_.take_back : 1;
             most_ = std::max(0.0, most_ - part * fall_from_);
         }
-        if (trust_ == Trust::ending && sent_ == glm::dvec3{0.0}) trust_ = Trust::gone;
-        if (trust_ != Trust::gone || !is_ok) return false;
-        trust_ = Trust::good;
-        return true;
+        return before == Trust::gone && is_ok;
     }
     [[nodiscard]] glm::dvec3 taken_back(const glm::dvec3& newtons) const noexcept {
         const double length = glm::length(newtons);
@@ -400,8 +409,8 @@ private:
     std::size_t place_ = Shared::none;
     bool is_open_ = false;
     hfh::DeviceCapabilities capabilities_{};
-    MotorLimits motors_{};
-    double middle_[3]{}; ///< mm, of the usable workspace, in the driver's axes
+    double continuous_force_ = 0; ///< N
+    double middle_[3]{};          ///< mm, of the usable workspace, in the driver's axes
 
     // Of a run: set before it starts.
     Callback callback_{};
@@ -417,7 +426,8 @@ private:
     Trust trust_ = Trust::good;
     double most_ = 0,
            fall_from_ = 0; ///< N: while the force goes down, how much there may be, and was at first
-    glm::dvec3 sent_{0.0}; ///< N: the last force
+    glm::dvec3 sent_{0.0}; ///< N: what the motors got last
+    double sent_at_ = 0;   ///< s: the time of the update in which they did
 
     hfh::DeviceEnd end_ = hfh::DeviceEnd::stopped; ///< written before `done_`, read after it
     std::atomic<bool> done_{false}, stop_{false}, busy_{false}, closed_{false};

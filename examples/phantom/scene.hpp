@@ -60,14 +60,16 @@ private:
     hfh::LatestValue<Shown> shown_{};
 };
 
-/// Limits and stiffness that a device can do; what it does not tell is taken from the smallest, the Touch. No more N/ms
-/// than the stiffest wall takes when a hand meets it at 2 m/s, which is a fast reach.
-[[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
-    return {.max_force = device.max_force > 0 ? device.max_force : 3.3,
-            .max_slew = device.max_stiffness > 0 ? 0.002 * device.max_stiffness : 1.0};
-}
+/// N/m at the hand that a device can render: below what the maker recommends; where the driver does not tell, what the
+/// smallest, the Touch, can do.
 [[nodiscard]] inline double stiffness_for(const hfh::DeviceCapabilities& device) noexcept {
     return device.max_stiffness > 0 ? 0.8 * device.max_stiffness : 400;
+}
+/// Limits that fit a device and that stiffness.
+[[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
+    hfh::GuardLimits limits = hfh::guard_limits(device);
+    limits.stiffness = stiffness_for(device);
+    return limits;
 }
 
 /// The breadth of the workspace becomes that of the terrain.

@@ -82,15 +82,12 @@ public:
             if (has_owner ? is_about(error, place) : place.is_open.load(std::memory_order_acquire))
                 put(place, error);
     }
-    /// Takes all errors off the stack; the gravest of them, the most recent of equally grave ones.
+    /// Takes all errors off the stack, for nobody; the most recent of them.
     static ApiError discard_errors(Api& api) noexcept {
-        ApiError gravest;
-        for (int n = 0; n < most_errors; ++n) {
-            const ApiError error = api.error();
-            if (error.kind == ErrorKind::none) break;
-            if (error.kind > gravest.kind) gravest = error;
-        }
-        return gravest;
+        const ApiError first = api.error();
+        for (int n = 1; n < most_errors; ++n)
+            if (api.error().kind == ErrorKind::none) break;
+        return first;
     }
     /// The gravest error put down for a place since the last time; of equally grave ones that which came off the stack
     /// first.

@@ -167,6 +167,7 @@ void hdGetDoublev(HDenum name, HDdouble* values) {
     case HD_MOTOR_TEMPERATURE:
         note("temperature");
         if (knows(name)) std::copy(hd.temperature, hd.temperature + 6, values);
+        raise(hd.temperature_error);
         break;
     case HD_NOMINAL_MAX_STIFFNESS:
         note("stiffness");

@@ -29,7 +29,8 @@ struct FakeDevice {
     double position[3]{}, velocity[3]{}, temperature[6]{};
     bool inkwell = true, safety = true;
     const char* model = "PHANTOM Omni";
-    std::vector<HDenum> unknown{}; ///< what it raises an error about when asked
+    unsigned temperature_error = 0; ///< raised when the temperature is read
+    std::vector<HDenum> unknown{};  ///< what it raises an error about when asked
 
     // What has come of it.
     std::vector<unsigned> enabled{};

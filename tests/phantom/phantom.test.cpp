@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -286,6 +287,16 @@ TEST_CASE("phantom: a stop before the run ends that run, and only that", "[phant
     CHECK(hd.enabled.empty()); // the motors were never on
     CHECK(device.run(asks) == DeviceEnd::stopped);
     CHECK(asks.samples.size() == 100);
+
+    hd.before_update = [&](int n) {
+        if (n == 150) device.stop(); // within a run: that one's alone
+    };
+    Asks stopped;
+    CHECK(device.run(stopped) == DeviceEnd::stopped);
+    CHECK(stopped.samples.size() == 51);
+    Asks again;
+    CHECK(device.run(again) == DeviceEnd::stopped);
+    CHECK(again.samples.size() == 100);
     CHECK(hd.breaches == Names{});
 }
 
@@ -318,13 +329,14 @@ TEST_CASE("phantom: what the driver tells of the device is told on", "[phantom][
         hd.inkwell = false;
         Phantom device;
         CHECK(device.capabilities().resolution == Approx(0.055e-3));
-        CHECK(device.motors().continuous_force == 0.88);
-        CHECK(device.motors().impulse == 0.7);
+        CHECK(device.continuous_force() == 0.88);
+        CHECK(device.capabilities().max_slew == 0.7);
         Asks asks;
         CHECK(device.run(asks) == DeviceEnd::stopped);
         CHECK(device.report().temperature == 0.4);
         CHECK(device.report().inkwell_switch == false);
         CHECK(device.report().safety_switch == true);
+        CHECK(device.capabilities().delay == unknown_delay);
     }
     SECTION("none of it, with an error each, which ends nothing and comes once") {
         hd.unknown = {HD_NOMINAL_MAX_CONTINUOUS_FORCE,
@@ -336,8 +348,8 @@ TEST_CASE("phantom: what the driver tells of the device is told on", "[phantom][
         Phantom device;
         CHECK(device.is_open());
         CHECK(device.capabilities().resolution == 0);
-        CHECK(device.motors().continuous_force == 0);
-        CHECK(device.motors().impulse == 0);
+        CHECK(device.continuous_force() == 0);
+        CHECK(device.capabilities().max_slew == 0);
         for (int run = 0; run < 2; ++run) {
             Asks asks;
             CHECK(device.run(asks) == DeviceEnd::stopped);
@@ -349,13 +361,12 @@ TEST_CASE("phantom: what the driver tells of the device is told on", "[phantom][
         }
     }
     SECTION("an error that is none of the questions' is still heard") {
-        hd.before_update = [&](int n) {
-            if (n == 0) hd.errors.push_back(HD_WARM_MOTORS);
-        };
+        hd.before_update = [&](int n) { hd.temperature_error = n == 0 ? unsigned{HD_WARM_MOTORS} : 0u; };
         Phantom device;
         Asks asks;
         CHECK(device.run(asks) == DeviceEnd::stopped);
         CHECK(device.report().force_errors == 1);
+        CHECK(device.report().temperature == 0);
         CHECK(asks.samples[1].force_refused);
     }
     CHECK(hd.breaches == Names{});
@@ -471,6 +482,118 @@ TEST_CASE("phantom: no tick and no force while the device wants calibration", "[
     CHECK(device.report().updates == 120);
     CHECK(device.report().calibration == phantom::Calibration::ok);
     CHECK(hd.breaches == Names{});
+}
+
+/// The hand of the calibration tests: presses through the ground, 3.1 mm below the middle, to 7 mm below it.
+struct PressingHand {
+    double at = 5; ///< mm above the middle, by the hand's own account
+
+    void move(FakeHd& hd, int n, double shift) {
+        at += std::clamp((n > 1000 ? -7.0 : 5.0) - at, -0.05, 0.05);
+        hd.position[1] = 10 + at + shift;
+    }
+};
+
+TEST_CASE("phantom: a calibration while pressed takes the force back first, and gives it back by the ramp",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    hd.styles = HD_CALIBRATION_ENCODER_RESET | HD_CALIBRATION_AUTO;
+    const std::vector<std::int16_t> flat(256 * 256, 100);
+    const BilinearGrid<double, HeightView<std::int16_t>> grid{HeightView{flat.data(), 256, 256},
+                                                              {.spacing = {10.0, 10.0}}};
+    Phantom device;
+    const auto able = device.capabilities();
+    phantom::Scene scene{grid, phantom::frame_for(able, 2560, {1280, 1280, 150}),
+                         phantom::stiffness_for(able), phantom::limits_for(able)};
+    // Whether the device goes on wanting it until it is calibrated, or only in one update, as if by mistake.
+    const bool goes_on = GENERATE(true, false);
+    PressingHand hand;
+    double shift = 0;
+    std::vector<double> up;
+    std::vector<DeviceSample> samples;
+    hd.before_update = [&](int n) {
+        if (n > 0) up.push_back(hd.force[1]);
+        if (n == 2000) hd.calibration = HD_CALIBRATION_NEEDS_UPDATE;
+        if (n == 2001 && !goes_on) hd.calibration = HD_CALIBRATION_OK;
+        hand.move(hd, n, shift);
+        if (n == 2400) CHECK((device.report().withheld == phantom::Withheld::calibration) == goes_on);
+    };
+    hd.calibrated = [&](int) {
+        shift -= 3; // deeper
+        hd.calibration = HD_CALIBRATION_OK;
+    };
+    const auto until_4000 = [&](const DeviceSample& sample) -> DeviceCommand {
+        samples.push_back(sample);
+        DeviceCommand command = scene(sample);
+        command.go_on = hd.updates < 4000;
+        return command;
+    };
+    CHECK(device.run(until_4000) == DeviceEnd::stopped);
+    CHECK(hd.breaches == Names{}); // one of which: calibrated while there is a force
+    REQUIRE(up.size() == 3999);
+
+    const double slew = phantom::limits_for(able).max_slew; // N/ms
+    CHECK(slew == 0.7);
+    for (std::size_t n = 1; n < up.size(); ++n) {
+        CAPTURE(n, up[n - 1], up[n]);
+        if (up[n] - up[n - 1] > slew + 1e-12) CHECK(up[n] - up[n - 1] <= slew + 1e-12);
+        // Before the calibration it falls as slowly as it comes: 3.3 N in half a second, and a margin.
+        if (up[n - 1] - up[n] > 0.01) CHECK(up[n - 1] - up[n] <= 0.01);
+    }
+    CHECK(up[1999] == Approx(1.55).epsilon(0.01));
+    const auto calls = static_cast<std::size_t>(hd.updates) - samples.size(); // updates without a tick
+    if (goes_on) {
+        CHECK(hd.calibrations == 1);
+        CHECK(calls == 1); // that of the calibration
+        CHECK(up[2250] > 0.5);
+        CHECK(up[2600] == 0); // the old contact is forgotten, and the stylus is under the ground
+        CHECK(scene.counts().trips[static_cast<int>(GuardTrip::jump)] == 0);
+        CHECK(scene.counts().trips[static_cast<int>(GuardTrip::stale)] == 0);
+        CHECK(std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.force_refused; }) ==
+              1);
+    } else {
+        CHECK(hd.calibrations == 0);
+        CHECK(calls == 0);
+        CHECK(up[2100] == Approx(1.55).epsilon(0.01)); // hardly noticed
+        CHECK(up[2001] > 1.5);
+    }
+}
+
+TEST_CASE("phantom: before a calibration a tick that keeps its force has it taken back, and is told",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    std::vector<double> up;
+    hd.before_update = [&](int n) {
+        if (n > 0) up.push_back(hd.force[1]);
+        if (n == 100) hd.calibration = HD_CALIBRATION_NEEDS_UPDATE;
+    };
+    hd.calibrated = [&](int) { hd.calibration = HD_CALIBRATION_OK; };
+    Asks asks{.newtons = {0, 0, 3}, .often = 1300};
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(hd.breaches == Names{});
+    CHECK(hd.calibrations == 1);
+    CHECK(up[99] == 3);
+    for (std::size_t n = 100; n < 1099; ++n)
+        if (std::abs(up[n - 1] - up[n] - 0.003) > 1e-9) CHECK(up[n - 1] - up[n] == Approx(0.003));
+    CHECK(up[1101] == 0);
+    CHECK(up[1150] == 3);
+    // Told what the motors got, and when: also in the update without a tick.
+    CHECK_FALSE(asks.samples[0].has_sent);
+    for (std::size_t n = 1; n < 1000; ++n) {
+        if (asks.samples[n].sent.z != up[n - 1]) CHECK(asks.samples[n].sent.z == up[n - 1]);
+        if (asks.samples[n].sent_at != asks.samples[n - 1].time)
+            CHECK(asks.samples[n].sent_at == asks.samples[n - 1].time);
+        const bool release = n >= 100;
+        if (asks.samples[n].release != release) CHECK(asks.samples[n].release == release);
+    }
+    const auto back =
+        std::find_if(asks.samples.begin(), asks.samples.end(), [](const auto& s) { return s.force_refused; });
+    REQUIRE(back != asks.samples.end());
+    CHECK_FALSE(back->release);
+    CHECK(back->sent == glm::dvec3{0});
+    CHECK(back->time - back->sent_at == Approx(0.001));
+    CHECK(back->time - (back - 1)->time == Approx(0.002)); // one update without a tick lies between
 }
 
 TEST_CASE("phantom: where calibration needs a person it waits, and can be stopped", "[phantom]") {
