@@ -5,6 +5,10 @@
 #include "phantom_device.hpp"
 #include "scene.hpp"
 
+#include <hfh/level_beyond.hpp>
+
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -659,4 +663,106 @@ TEST_CASE("phantom: a terrain is felt through tracker, workspace and guard", "[p
     CHECK(scene.show(shown));
     CHECK(shown.contact == ContactStatus::contact);
     CHECK(shown.stylus.z == Approx(100 - 0.004 * 16000));
+}
+
+namespace {
+
+/// Takes a hand through a scene over 21 × 21 samples of level ground at 100 m, 10 m apart, at 1000 m a metre, and notes
+/// what was felt and told. Positions of the hand in mm from the middle of the map at the height of the ground.
+struct Walk {
+    std::vector<float> heights = std::vector<float>(21 * 21, 100.0f);
+    BilinearGrid<double, HeightView<float>> grid{HeightView{heights.data(), 21, 21}, {.spacing = {10, 10}}};
+    WorkspaceFrame frame{.scale = 1000, .offset = {100, 100, 100}};
+    double time = 0;
+    glm::dvec3 at{0, 0, 3};
+    phantom::Shown shown{};
+    double felt = 0, steepest_rise = 0;
+
+    /// At 0.1 m/s.
+    template <class Scene>
+    void to(Scene& scene, const glm::dvec3& mm) {
+        while (at != mm) {
+            const glm::dvec3 way = mm - at;
+            at = glm::length(way) <= 0.1 ? mm : at + way * (0.1 / glm::length(way));
+            time += 0.001;
+            const auto command = scene({.time = time, .position = at / 1000.0});
+            steepest_rise = std::max(steepest_rise, glm::length(command.newtons) - felt);
+            felt = glm::length(command.newtons);
+        }
+        (void)scene.show(shown);
+    }
+};
+
+} // namespace
+
+TEST_CASE("phantom: over the rim of a map without more, and under it: nothing is felt, and it is told",
+          "[phantom][regression]") {
+    using phantom::Place;
+    Walk walk;
+    phantom::Scene scene{walk.grid, walk.frame, 400, {}};
+    walk.to(scene, {0, 0, 3});
+    walk.to(scene, {60, 0, 3}); // long enough for the ramp
+    walk.to(scene, {90, 0, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    CHECK(walk.felt == Approx(1.2));
+    walk.to(scene, {101, 0, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    walk.to(scene, {105, 0, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    CHECK(walk.felt == 0);
+    walk.to(scene, {90, 0, -3});
+    CHECK(walk.shown.place == Place::below_ground);
+    CHECK(walk.shown.trip == GuardTrip::buried);
+    CHECK(walk.felt == 0);
+    walk.to(scene, {90, 0, 1});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {40, 0, 1}); // long enough for the ramp
+    walk.to(scene, {40, 0, -3});
+    CHECK(walk.felt == Approx(1.2)); // felt again
+    CHECK(walk.steepest_rise < 0.1);
+}
+
+TEST_CASE("phantom: over the rim of a map that goes on level the ground is felt, and the edge is told",
+          "[phantom][regression]") {
+    using phantom::Place;
+    Walk walk;
+    const LevelBeyond ground{walk.grid};
+    phantom::Scene scene{ground, walk.frame, 400, {}, phantom::Bounds{.map = walk.grid.cells()}};
+    walk.to(scene, {60, 0, 3});
+    walk.to(scene, {60, 0, -3});
+    walk.to(scene, {99, 0, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {120, 0, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    CHECK(walk.felt == Approx(1.2));
+    walk.to(scene, {0, -101, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    walk.to(scene, {0, -99, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    CHECK(walk.felt == Approx(1.2));
+}
+
+TEST_CASE("phantom: a hole in the map, and the end of the device's reach, are told",
+          "[phantom][regression]") {
+    using phantom::Place;
+    Walk walk;
+    walk.heights[10 * 21 + 12] = std::nanf(""); // at 20 m, 0 m from the middle
+    phantom::Scene scene{walk.grid, walk.frame, 400, {}, phantom::Bounds{.workspace = {0.16, 0.07, 0.12}}};
+    walk.to(scene, {18, 0, -3});
+    CHECK(walk.shown.place == Place::over_hole);
+    CHECK(walk.felt == 0);
+    walk.to(scene, {18, 0, 3});
+    walk.to(scene, {40, 0, 3});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {40, 0, -3});
+    walk.to(scene, {74, 0, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {76, 0, -3});
+    CHECK(walk.shown.place == Place::device_edge);
+    CHECK(walk.felt == Approx(1.2)); // the terrain is felt as elsewhere
+    walk.to(scene, {40, -31, 3});
+    CHECK(walk.shown.place == Place::device_edge);
+    for (const Place place : {Place::below_ground, Place::beyond_map, Place::over_hole, Place::device_edge})
+        CHECK(std::string{hint(place)} != "");
+    CHECK(std::string{hint(Place::on_map)} == "");
 }
