@@ -90,7 +90,7 @@ struct Report {
 /// - warm motors (0x200): until they have cooled;
 /// - device fault (0x300): while it comes; the driver recovers by itself. A device that never does is one whose run goes
 ///   on without force, and `report().withheld` says so.
-/// Any other error ends the run, as `lost` or `fault`.
+/// Any other error ends the run, as `lost` or `fault`, after one more update without tick and force.
 ///
 /// Calibration. The position jumps when the device is calibrated, so the force has to be zero by then. From the update in
 /// which the device asks for it the tick is told by `release` to take the force back; whatever the tick does, the force is
@@ -223,7 +223,7 @@ private:
         report_ = {};
         (void)Shared::take_error(place_);
         refused_ = 0;
-        is_warm_ = is_faulty_ = false;
+        is_warm_ = is_faulty_ = is_closing_ = false;
         trust_ = Trust::good;
         sent_ = glm::dvec3{0.0};
         done_.store(false, std::memory_order_relaxed);
@@ -266,6 +266,7 @@ private:
     bool update(Tick& tick) noexcept {
         const double now = clock_.now();
         const double passed = measure(now);
+        if (is_closing_) return close();
 
         Shared::make_current(api_, handle_);
         api_.begin_frame(handle_);
@@ -293,16 +294,36 @@ private:
         sent_at_ = now;
         if (command.go_on && !is_refused && hfh::is_finite(command.newtons))
             sent_ = taken_back(command.newtons);
-        double force[3]{sent_.x, sent_.z, -sent_.y};
-        api_.set_force(force);
-        api_.end_frame(handle_);
+        send();
         if (trust_ == Trust::gone && report_.calibration == Calibration::needs_update)
             api_.update_calibration();
         report_.longest_tick = std::max(report_.longest_tick, clock_.now() - now);
 
         Shared::collect_errors(api_);
         const bool go_on = judge(Shared::take_error(place_), now, command.go_on);
+        is_closing_ = !go_on && sent_ != glm::dvec3{0.0};
         report_.withheld = trust_ != Trust::good ? Withheld::calibration : withheld();
+        return publish(go_on || is_closing_);
+    }
+
+    /// An error came after a force: without one more update the motors would go on with it.
+    bool close() noexcept {
+        Shared::make_current(api_, handle_);
+        api_.begin_frame(handle_);
+        sent_ = glm::dvec3{0.0};
+        send();
+        Shared::collect_errors(api_); // what ended the run is told already
+        return publish(false);
+    }
+
+    /// Ends the frame with the force `sent_`.
+    void send() noexcept {
+        double force[3]{sent_.x, sent_.z, -sent_.y};
+        api_.set_force(force);
+        api_.end_frame(handle_);
+    }
+
+    bool publish(bool go_on) noexcept {
         published_.put(report_);
         updates_.store(report_.updates, std::memory_order_relaxed);
         if (!go_on) done_.store(true, std::memory_order_release);
@@ -421,7 +442,7 @@ private:
     Report report_{};
     double last_ = 0, warm_at_ = 0; ///< s: the last update, the last error of warm motors
     int refused_ = 0;               ///< updates in a row with a force error
-    bool is_warm_ = false, is_faulty_ = false;
+    bool is_warm_ = false, is_faulty_ = false, is_closing_ = false;
     bool has_asked_ = false, knows_temperature_ = true, knows_inkwell_ = true, knows_safety_ = true;
     Trust trust_ = Trust::good;
     double most_ = 0,

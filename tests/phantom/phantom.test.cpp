@@ -218,6 +218,7 @@ TEST_CASE("phantom: any other error ends the run at once, with the force at zero
     };
     Asks asks;
     CHECK(device.run(asks) == end);
+    CHECK(hd.left == std::vector<double>{0, 0, 0}); // by the driver's thread, before anything is switched off
     CHECK(asks.samples.size() == 31);
     CHECK(forceless(hd));
     CHECK(device.report().last_error == code);

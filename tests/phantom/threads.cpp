@@ -74,32 +74,33 @@ void one_device(int run) {
 /// first, and the first goes on.
 void two_devices(int run) {
     FakeHd& hd = fake_hd() = FakeHd{};
-    in_first_tick = true;
     hd.position[1] = 12, hd.second.position[1] = 20; // 2 and 10 mm above the middles
-    std::atomic<bool> both{false};
+    std::atomic<bool> has_begun[2]{}, is_alone{false};
+    const auto both = [&] { return has_begun[0] && has_begun[1]; };
     std::vector<double> felt[2];
     hd.before_update = [&](int n) {
-        if (!both) return;
+        in_first_tick = true;
+        if (!both()) return;
         felt[0].push_back(hd.force[1]);
         felt[1].push_back(hd.second.force[1]);
         if (n % 10 == 0) hd.errors.emplace_back(HD_EXCEEDED_MAX_FORCE, hd.second.handle);
     };
     Phantom first, second{"second"};
     expect(first.is_open() && second.is_open(), "both are open", run);
-    std::atomic<unsigned> has_begun{0};
     const auto force_of_height = [&](const DeviceSample& sample) -> DeviceCommand {
-        if ((has_begun.fetch_or(1u << (sample.position.z > 0.005)) | 1u << (sample.position.z > 0.005)) == 3)
-            both = true;
+        has_begun[sample.position.z > 0.005] = true;
         return {{0, 0, 100 * sample.position.z}};
     };
-    DeviceEnd ends[2];
-    std::atomic<bool> is_alone{false};
-    unsigned long alone_from = 0;
-    const auto hundred = [](unsigned long updates) { return updates >= 100; };
-    const auto fifty_alone = [&](unsigned long updates) {
-        if (is_alone && alone_from == 0) alone_from = updates;
-        return is_alone && updates >= alone_from + 50;
+    // So many updates after something has come true.
+    const auto after = [](unsigned long count, auto is_so) {
+        return [=, from = 0ul](unsigned long updates) mutable {
+            if (from == 0 && is_so()) from = updates;
+            return from > 0 && updates >= from + count;
+        };
     };
+    const auto hundred = after(100, both);
+    const auto fifty_alone = after(50, [&] { return is_alone.load(); });
+    DeviceEnd ends[2];
     std::thread one{[&] { ends[0] = run_watched(first, force_of_height, fifty_alone); }};
     ends[1] = run_watched(second, force_of_height, hundred);
     is_alone = true;
@@ -123,6 +124,7 @@ void two_devices(int run) {
 void start_hand();
 void start_hand() {
     on = true;
+    in_first_tick = false;
     servo = std::thread{[] {
         while (on) {
             fake_hd().update();
@@ -130,7 +132,6 @@ void start_hand() {
         }
     }};
     while (!in_first_tick) std::this_thread::yield(); // a start that returns when the loop runs
-    in_first_tick = false;
 }
 
 void stop_hand();
