@@ -173,8 +173,9 @@ TEST_CASE("SampleCheck: a device at steady intervals is held to its own speed so
             SampleCheck check;
             glm::dvec3 place{0.0};
             CheckedSample told;
-            for (int n = 0; n < 700; ++n) {
-                place.x += 1e-4;
+            const int rest = static_cast<int>(20 * rate); // 20 s; then a first move of 2 mm
+            for (int n = -rest; n < 700; ++n) {
+                if (n >= 0) place.x += n == 0 ? 2e-3 : 1e-4;
                 told = check.update(limits, n / rate, place);
                 REQUIRE_FALSE((told.jump || told.stale || told.repeated));
             }
@@ -201,6 +202,29 @@ TEST_CASE("SampleCheck: an encoder in slow motion and a hand at rest do not make
         }
         place.z = limits.max_step + limits.max_speed * limits.max_gap + 1e-4; // 10 cm
         CHECK(check.update(limits, 5, place).jump);
+    }
+}
+
+TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its first move came about",
+          "[sample_check]") {
+    for (const bool known : {true, false}) {
+        for (const double speed : {4.9, 8.0, 12.0}) {
+            const GuardLimits limits = known ? guard_limits({.rate = 1000}) : GuardLimits{};
+            SampleCheck check;
+            glm::dvec3 place{0.0};
+            double since = 0;
+            int jumps = 0;
+            for (int n = 0; n < 1200; ++n) {
+                if (n > 1000) place.y += 0.001 * speed; // from rest at once
+                const auto told = check.update(limits, 0.001 * n, place);
+                jumps += told.jump;
+                if (jumps == 0 && n > 1000) since += 0.001;
+            }
+            CAPTURE(known, speed, since);
+            CHECK((jumps > 0) == (speed > 5));
+            // What it is ahead of max_speed by is at most max_step and max_gap at that speed.
+            if (speed > 5) CHECK((speed - 5) * since <= limits.max_step + 5 * limits.max_gap);
+        }
     }
 }
 

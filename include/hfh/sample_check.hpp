@@ -26,7 +26,10 @@ struct CheckedSample {
 /// same place many times, and so does an encoder in slow motion. With s the time since the place changed last, at most
 /// max_gap,
 ///
-///     jump:  moved > max_step + max_speed · min(max(s, P) + scatter, max_gap)
+///     jump:  moved > max_step + max_speed · min(max(s, P) + scatter, reserve)
+///
+/// reserve keeps the sum of all moves to that speed: it grows with time up to max_gap, and a move takes moved/max_speed
+/// of it. So no move is longer than max_step + max_speed·max_gap, and none is faster than max_speed for long.
 ///
 /// P is the mean of s, scatter how far s has been from it lately. They are there for stamps that are not the device's own:
 /// after a stall samples come in a burst, each farther on by what the hand does in P, and a stamp that was taken late is
@@ -49,7 +52,7 @@ public:
             started_ = true;
             time_ = changed_at_ = time;
             position_ = position;
-            scatter_ = limits.max_gap;
+            scatter_ = reserve_ = limits.max_gap;
             period_ = limits.period > 0 ? std::min(limits.period, limits.max_gap) : limits.max_gap;
             return told;
         }
@@ -67,13 +70,15 @@ public:
         if (passed < -gap) changed_at_ = time;
         if (passed > 0 || told.stale) time_ = time;
 
+        reserve_ = std::min(limits.max_gap, reserve_ + told.passed);
         scatter_ *= std::max(0.0, 1 - told.passed / (6 * limits.max_gap));
         if (position != position_) {
             const double since = std::min(time_ - changed_at_, limits.max_gap);
-            const double seconds = std::min(std::max(since, period_) + scatter_, limits.max_gap);
+            const double seconds = std::min(std::max(since, period_) + scatter_, reserve_);
             told.jump = told.moved > limits.max_step + limits.max_speed * seconds;
             const bool sure = !waited_ || told.moved > limits.max_step;
             if (sure && !told.jump && !told.stale) learn(since);
+            reserve_ = std::max(0.0, reserve_ - told.moved / limits.max_speed);
             waited_ = false;
             changed_at_ = time_;
             position_ = position;
@@ -101,6 +106,7 @@ private:
     double changed_at_ = 0; ///< s: when the place changed last
     double period_ = 0;     ///< s: P, the mean interval of changes
     double scatter_ = 0;    ///< s
+    double reserve_ = 0;    ///< s
     glm::dvec3 position_{0.0};
     int repeats_ = 0; ///< updates since time last went on
     bool started_ = false;

@@ -171,7 +171,7 @@ private:
         moved_ = 0;
         if (good_.empty()) {
             good_.push_back(now);
-            scatter_ = wide(limits_.max_gap);
+            scatter_ = reserve_ = wide(limits_.max_gap);
             mean_ = limits_.period > 0 ? std::min(wide(limits_.period), scatter_) : scatter_;
             waited_ = false;
             latest_ = changed_at_ = wide(now.time);
@@ -187,12 +187,14 @@ private:
         if (passed > 0 || stale) latest_ = time;
         if (back) changed_at_ = time;
 
+        reserve_ += passed > 0 ? passed : 0.0L;
+        if (reserve_ > most) reserve_ = most;
         const long double fades = 6 * most, gone = passed > 0 ? passed : 0.0L;
         scatter_ = gone < fades ? scatter_ * (fades - gone) / fades : 0.0L;
         moved_ = distance(now.position, last.position);
         if (now.position != last.position) {
             const long double since = std::min(latest_ - changed_at_, most);
-            const long double seconds = std::min(std::max(since, mean_) + scatter_, most);
+            const long double seconds = std::min(std::max(since, mean_) + scatter_, reserve_);
             const bool jump = moved_ > 1e-150L && // its square may underflow
                               moved_ > wide(limits_.max_step) + wide(limits_.max_speed) * seconds;
             if (jump) causes |= bit(GuardTrip::jump);
@@ -202,6 +204,8 @@ private:
                 if (off > scatter_) scatter_ = off;
                 mean_ = (15 * mean_ + since) / 16;
             }
+            const long double took = moved_ / wide(limits_.max_speed);
+            reserve_ = took < reserve_ ? reserve_ - took : 0.0L;
             changed_at_ = latest_;
         }
         waited_ = now.position == last.position;
@@ -213,6 +217,7 @@ private:
     GuardLimits limits_;
     std::vector<DeviceSample> good_{};
     long double mean_ = 0, scatter_ = 0; ///< s, of the intervals in which the place changes
+    long double reserve_ = 0;            ///< s that moves may still take at max_speed
     bool waited_ = false;                ///< the place was the same in the last sample
     long double latest_ = 0, changed_at_ = 0, moved_ = 0;
     glm::dvec3 sent_{0.0}; ///< N, at the motors
