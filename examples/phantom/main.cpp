@@ -110,7 +110,7 @@ hfh::DeviceEnd touch(Device& device, const Hills& grid, double until) {
 void say_not_open(const phantom::Report& report) {
     std::printf("no device: error 0x%04x\n", report.last_error);
 #ifdef __linux__
-    const char* home = std::getenv("GTDD_HOME"); // NOLINT(concurrency-mt-unsafe)
+    const char* home = std::getenv("GTDD_HOME");
     std::printf("GTDD_HOME, below which the drivers of the Touch for Linux keep their settings, is %s\n",
                 home != nullptr ? home : "not set");
 #endif

@@ -53,7 +53,7 @@ struct DeviceCapabilities {
 enum class DeviceEnd : unsigned char {
     stopped,       ///< the tick said so
     not_available, ///< no device, or it did not start
-    force_fault,   ///< the device refused to render forces: too warm, too large, an amplifier fault
+    force_fault,   ///< the device went on refusing to render forces: too large, an amplifier fault
     lost,          ///< the connection broke
     fault          ///< another error that ends the run
 };

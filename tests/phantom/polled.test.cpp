@@ -37,7 +37,6 @@ struct World {
 };
 World world;
 
-// NOLINTBEGIN(readability-identifier-naming)
 int dhdGetPosition(double* x, double* y, double* z) {
     *x = 0.02, *y = 0.03, *z = world.height();
     return world.pass() ? world.code : -1;
@@ -53,14 +52,13 @@ int dhdSetForce(double x, double y, double z) {
     return world.code;
 }
 struct Inverse3 {
-    void SendEndEffectorForce(float* f) { world.send(double{f[0]}, double{f[1]}, double{f[2]}); }
+    void SendEndEffectorForce(float* f) { world.send(double(f[0]), double(f[1]), double(f[2])); }
     int ReceiveEndEffectorState(float* p, float* v) {
         p[0] = 0.1F, p[1] = 0.2F, p[2] = static_cast<float>(0.3 + world.height());
         v[0] = v[1] = v[2] = 0;
         return world.pass() ? 0 : -1;
     }
 };
-// NOLINTEND(readability-identifier-naming)
 
 // The page's code, to the letter (see CMakeLists.txt).
 
@@ -83,13 +81,13 @@ struct Haply {
     Inverse3* device;
     glm::dvec3 middle;
 
+    static glm::dvec3 vector(const float (&f)[3]) { return {double(f[0]), double(f[1]), double(f[2])}; }
+
     bool exchange(const glm::dvec3& newtons, polled::Reading& reading) {
         float force[3]{float(newtons.x), float(newtons.y), float(newtons.z)}, p[3]{}, v[3]{};
         device->SendEndEffectorForce(force);
         if (device->ReceiveEndEffectorState(p, v) < 0) return false;
-        reading = {.position = glm::dvec3{p[0], p[1], p[2]} - middle,
-                   .velocity = {v[0], v[1], v[2]},
-                   .has_velocity = true};
+        reading = {.position = vector(p) - middle, .velocity = vector(v), .has_velocity = true};
         return true;
     }
 };
@@ -104,7 +102,7 @@ static_assert(Device<Polled> && Device<Exchange>);
 Polled make_polled(const DeviceCapabilities& able) { return Polled{able}; }
 Exchange make_exchange(const DeviceCapabilities& able) {
     static Inverse3 inverse3;
-    return Exchange{able, Haply{&inverse3, {double{0.1F}, double{0.2F}, 0.3}}};
+    return Exchange{able, Haply{&inverse3, {double(0.1F), double(0.2F), 0.3}}};
 }
 
 /// A floor at height 0, felt through the guard that the page recommends, for some seconds.

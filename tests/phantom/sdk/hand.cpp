@@ -40,7 +40,7 @@ void before_tick(int n, std::string_view event) {
 void start_hand();
 void start_hand() {
     on = true;
-    const char* set = std::getenv("HFH_TEST_EVENT"); // NOLINT(concurrency-mt-unsafe)
+    const char* set = std::getenv("HFH_TEST_EVENT");
     const std::string_view event = set != nullptr ? set : "";
     fake_hd().before_update = [event](int n) { before_tick(n, event); };
     servo = std::thread{[] {
