@@ -168,10 +168,11 @@ public:
         {
             const auto lock = Shared::lock();
             closed_.store(true);
+            // Where no callback came nobody has taken the error that tells why, and stopping may add one of its own.
+            if (end == DeviceEnd::not_available && Shared::is_alone() && !busy_.load()) (void)failed();
             Shared::end(api_);
             if (schedule) api_.unschedule(*schedule);
             while (busy_.load()) clock_.wait(); // where others go on, nothing else waits for a late callback
-            if (!Shared::is_running() && end == DeviceEnd::not_available) (void)failed();
             if (!Shared::is_running()) Shared::discard_errors(api_);
         }
         stop_.store(false, std::memory_order_relaxed);
@@ -445,8 +446,8 @@ private:
     bool is_warm_ = false, is_faulty_ = false, is_closing_ = false;
     bool has_asked_ = false, knows_temperature_ = true, knows_inkwell_ = true, knows_safety_ = true;
     Trust trust_ = Trust::good;
-    double most_ = 0,
-           fall_from_ = 0; ///< N: while the force goes down, how much there may be, and was at first
+    double fall_from_ = 0; ///< N: before a calibration, the force from which it goes down
+    double most_ = 0;      ///< N: how much of it there may still be
     glm::dvec3 sent_{0.0}; ///< N: what the motors got last
     double sent_at_ = 0;   ///< s: the time of the update in which they did
 

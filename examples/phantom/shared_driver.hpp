@@ -30,6 +30,7 @@ public:
     [[nodiscard]] static std::unique_lock<std::mutex> lock() { return std::unique_lock{mutex_}; }
     /// Under lock.
     [[nodiscard]] static bool is_running() { return running_ > 0; }
+    [[nodiscard]] static bool is_alone() { return running_ == 1; }
 
     /// Under lock, while none runs: a place for a device; `none` if there are too many.
     [[nodiscard]] static std::size_t enter(Handle handle) {

@@ -301,5 +301,6 @@ void hdStopScheduler() {
     stop_hand(); // waits for a tick that may call the driver
     const auto locked = lock();
     note("stop");
+    if (!fake_hd().started) raise(HD_TIMER_ERROR);
     fake_hd().started = false;
 }

@@ -147,14 +147,14 @@ TEST_CASE("phantom: a device that does not open, or does not start, is not avail
     if (which == 1) hd.init_error = HD_DEVICE_FAULT;
     if (which == 2) hd.enable_error = HD_BAD_HANDLE;
     if (which == 3) hd.schedule_error = HD_SCHEDULER_FULL;
-    if (which == 4) hd.start_error = HD_TIMER_ERROR;
+    if (which == 4) hd.start_error = HD_ILLEGAL_BEGIN;
     {
         Phantom device;
         CHECK(device.is_open() == (which > 1));
         Asks asks;
         CHECK(device.run(asks) == DeviceEnd::not_available);
         CHECK(asks.samples.empty());
-        const unsigned codes[] = {0, HD_DEVICE_FAULT, HD_BAD_HANDLE, HD_SCHEDULER_FULL, HD_TIMER_ERROR};
+        const unsigned codes[] = {0, HD_DEVICE_FAULT, HD_BAD_HANDLE, HD_SCHEDULER_FULL, HD_ILLEGAL_BEGIN};
         CHECK(device.report().last_error == codes[which]);
     }
     CHECK(hd.breaches == Names{});
