@@ -1,13 +1,18 @@
 #ifndef PHANTOM_PHANTOM_DEVICE_HPP
 #define PHANTOM_PHANTOM_DEVICE_HPP
 
+#include "haptic_api.hpp"
+#include "shared_driver.hpp"
+
 #include <hfh/device.hpp>
 #include <hfh/latest_value.hpp>
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <concepts>
+#include <optional>
 #include <thread>
 #include <type_traits>
 
@@ -16,59 +21,6 @@
 // without a device.
 
 namespace phantom {
-
-/// What kind of error the driver reports, as far as it matters here.
-enum class ErrorKind : unsigned char {
-    none,
-    force,         ///< 0x200-0x204: motors warm, too much force, impulse or velocity: let go, and go on
-    communication, ///< the cable, the network
-    other          ///< frames, timer, handles, a device fault: the run is over
-};
-struct ApiError {
-    ErrorKind kind = ErrorKind::none;
-    unsigned code = 0;
-};
-
-enum class Calibration : unsigned char { ok, needs_update, needs_user };
-
-/// What a scheduler calls once per update, until it returns false.
-struct Callback {
-    bool (*call)(void* user) noexcept;
-    void* user;
-};
-
-/// The driver's calls, in its own units and axes: mm, N, N/mm; x right, y up, z towards the user.
-// clang-format off
-template <class A>
-concept HapticApi = requires(A& api, const A& constant, const char* name, typename A::Handle handle,
-                             typename A::Schedule schedule, Callback& callback, double (&three)[3], double (&six)[6]) {
-        { api.error() } -> std::same_as<ApiError>; // takes the oldest one off the driver's stack
-        { api.open(name) } -> std::same_as<typename A::Handle>;
-        { constant.valid(handle) } -> std::same_as<bool>;
-        { api.nominal_max_stiffness() } -> std::same_as<double>;
-        { api.nominal_max_force() } -> std::same_as<double>;
-        { api.update_rate() } -> std::same_as<double>;
-        api.usable_workspace(six); // minimum, maximum
-        api.enable_force_output();
-        api.enable_force_ramping();
-        api.enable_force_clamping();
-        api.disable_force_output();
-        { api.schedule(callback) } -> std::same_as<typename A::Schedule>; // every update, at the highest priority
-        api.start();
-        api.stop();
-        api.unschedule(schedule);
-        api.close(handle);
-        // In the callback:
-        api.begin_frame(handle);
-        { api.calibration() } -> std::same_as<Calibration>;
-        api.update_calibration();
-        api.position(three);
-        api.velocity(three);
-        { api.buttons() } -> std::same_as<unsigned>;
-        api.set_force(three);
-        api.end_frame(handle);
-    };
-// clang-format on
 
 struct SteadyClock {
     [[nodiscard]] double now() const noexcept {
@@ -80,28 +32,73 @@ struct SteadyClock {
 
 struct Options {
     double late_after = 1e-3;   ///< s past when it was due (the last one + 1/rate): the update counts as late
-    int max_force_errors = 100; ///< updates in a row with a force error that end the run
+    int max_force_errors = 100; ///< updates in a row with a force error (warm motors aside) that end the run
     double patience = 1;        ///< s without an update that end the run
+    double take_back = 1; ///< s from the wish for a calibration to a force of zero, if the tick takes longer
+    /// Of the temperature that counts as warm: below it motors count as cool again. PreventWarmMotors, an example of the
+    /// SDK, waits for 0.5 as well.
+    double cool_below = 0.5;
+    double cool_after = 5; ///< s without an error that count as cooled, where the driver tells no temperature
 };
 
-/// How the updates went. Seconds.
+/// Why there is no force whatever the tick says.
+enum class Withheld : unsigned char {
+    none,
+    force_error,  ///< too much force, impulse or velocity in the last update
+    warm_motors,  ///< until they have cooled
+    device_fault, ///< the device has switched itself off, and the driver is bringing it back
+    calibration   ///< on its way to zero, or zero until the device is calibrated
+};
+
+[[nodiscard]] constexpr const char* to_string(Withheld why) noexcept {
+    switch (why) {
+    case Withheld::none: return "none";
+    case Withheld::force_error: return "force_error";
+    case Withheld::warm_motors: return "warm_motors";
+    case Withheld::device_fault: return "device_fault";
+    case Withheld::calibration: return "calibration";
+    }
+    return "unknown";
+}
+
+/// How the updates went, and how the device is. Seconds. What is optional is empty where the driver does not tell it.
 struct Report {
     unsigned long updates = 0;
     unsigned long late = 0;                    ///< more than `late_after` past due
     double latest = 0;                         ///< the most that an update was past due
     double longest_tick = 0;                   ///< the most that the tick took
-    unsigned long force_errors = 0;            ///< updates with a force error
+    unsigned long force_errors = 0;            ///< updates with a force error, warm motors among them
+    unsigned long device_faults = 0;           ///< updates with a device fault
     unsigned last_error = 0;                   ///< the driver's code of the last error of any kind
-    Calibration calibration = Calibration::ok; ///< not ok: no tick and no force until it is
+    Calibration calibration = Calibration::ok; ///< what the device wants
+    Withheld withheld = Withheld::none;        ///< in the last update
+    std::optional<double> temperature{};       ///< of the warmest motor: 0 at room temperature, 1 overheated
+    std::optional<bool> inkwell_switch{}; ///< as the driver tells it: on a Touch true while the stylus is out
+    std::optional<bool> safety_switch{};  ///< as the driver tells it
 };
 
 /// Opens the device on construction, closes it on destruction. Sequence and meaning are those of the HDAPI as its
-/// public reference tells them.
+/// public reference, its header and its examples ErrorHandling and PreventWarmMotors tell them.
 ///
-/// An error of force lets go: that update's force is the last, the next sample says `force_refused`, and forces stay at zero
-/// while such errors come. Any other error ends the run. While the device wants calibration the force is zero and the
-/// tick is not called, because the position is not to be trusted; where the device can calibrate by itself or in its
-/// inkwell, it is asked to; `report().calibration` tells what is waited for.
+/// Threads. `run` blocks; the tick is called from the driver's thread. From the start of the scheduler to its stop that
+/// thread alone takes errors and writes the report. `stop` may be called from any thread and from a signal handler,
+/// `report` from one thread at a time. Two devices: open both, then run each in a thread of its own; they share the
+/// scheduler, and each gets its own errors. A device that is opened while another runs is not opened.
+///
+/// Errors. In an update that follows one the force is zero and the sample says `force_refused`:
+/// - force (0x201–0x204): while it comes; `max_force_errors` in a row end the run as `force_fault`;
+/// - warm motors (0x200): until they have cooled;
+/// - device fault (0x300): while it comes; the driver recovers by itself. A device that never does is one whose run goes
+///   on without force, and `report().withheld` says so.
+/// Any other error ends the run, as `lost` or `fault`, after one more update without tick and force.
+///
+/// Calibration. The position jumps when the device is calibrated, so the force has to be zero by then. From the update in
+/// which the device asks for it the tick is told by `release` to take the force back; whatever the tick does, the force is
+/// shortened to zero within `take_back`. Then the device is calibrated, where it can do that by itself or in its
+/// inkwell, and the tick is not called, for the position is not to be trusted. The first sample after that says
+/// `force_refused`. If the device wants no calibration any more before the force is zero, the tick goes on.
+///
+/// Every sample but a run's first tells what the motors got in the update before (`sent`), with or without a tick in it.
 template <HapticApi Api, class Clock = SteadyClock>
 class PhantomDevice {
 public:
@@ -109,36 +106,35 @@ public:
     explicit PhantomDevice(const char* name = nullptr, const Options& options = {}, Api api = {},
                            Clock clock = {})
         : options_{options}, api_{api}, clock_{clock} {
-        drain();
+        const auto lock = Shared::lock();
+        if (Shared::is_running()) return;
+        Shared::discard_errors(api_); // of another's making
         handle_ = api_.open(name);
-        const ApiError error = drain();
-        is_open_ = api_.valid(handle_) && error.kind == ErrorKind::none;
-        if (!is_open_) {
-            report_.last_error = error.code;
-            published_.put(report_);
+        if (api_.valid(handle_)) place_ = Shared::enter(handle_);
+        is_open_ = !failed() && place_ != Shared::none;
+        if (is_open_) {
+            ask_abilities();
+        } else {
+            if (place_ != Shared::none) Shared::leave(place_);
             if (api_.valid(handle_)) api_.close(handle_);
-            return;
         }
-        double box[6]{};
-        api_.usable_workspace(box);
-        for (int k = 0; k < 3; ++k) middle_[k] = (box[k] + box[k + 3]) / 2;
-        capabilities_ = {
-            .max_force = api_.nominal_max_force(),
-            .max_stiffness = 1000 * api_.nominal_max_stiffness(),
-            .rate = api_.update_rate(),
-            .workspace = {(box[3] - box[0]) / 1000, (box[5] - box[2]) / 1000, (box[4] - box[1]) / 1000}};
-        drain(); // a driver that does not know one of them has said so
     }
+    /// Not while it runs.
     ~PhantomDevice() {
-        if (is_open_) api_.close(handle_);
+        if (!is_open_) return;
+        const auto lock = Shared::lock();
+        Shared::leave(place_);
+        api_.close(handle_);
     }
     PhantomDevice(const PhantomDevice&) = delete;
     PhantomDevice& operator=(const PhantomDevice&) = delete;
 
     [[nodiscard]] bool is_open() const noexcept { return is_open_; }
     [[nodiscard]] hfh::DeviceCapabilities capabilities() const noexcept { return capabilities_; }
+    /// N that the motors can give for ever without getting warm; 0 where the driver does not tell.
+    [[nodiscard]] double continuous_force() const noexcept { return continuous_force_; }
 
-    /// Ends a run from another thread, at the next update.
+    /// Ends the run at its next update; without one, the next run before it begins. Safe in a signal handler.
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
     /// How the run goes, or went; from one thread at a time.
@@ -153,67 +149,103 @@ public:
     hfh::DeviceEnd run(Tick&& tick) {
         using hfh::DeviceEnd;
         if (!is_open_) return DeviceEnd::not_available;
-        begin();
-        if (failed()) return DeviceEnd::not_available;
+        if (stop_.exchange(false, std::memory_order_relaxed)) return DeviceEnd::stopped;
+        begin(tick);
 
-        struct Call {
-            PhantomDevice& device;
-            std::remove_reference_t<Tick>& tick;
-        } call{*this, tick};
-        Callback callback{[](void* user) noexcept {
-                              auto& c = *static_cast<Call*>(user);
-                              return c.device.update(c.tick);
-                          },
-                          &call};
-        const auto schedule = api_.schedule(callback);
-        bool started = !failed();
-        if (started) {
-            api_.start();
-            started = !failed();
+        std::optional<typename Api::Schedule> schedule;
+        bool started = true;
+        {
+            const auto lock = Shared::lock();
+            const bool is_first = Shared::begin(api_);
+            started = !is_first || !failed();
+            if (started) schedule = api_.schedule(callback_);
+            if (started && is_first) {
+                started = !failed();
+                if (started) api_.start(); // from here to the end the callback alone takes errors
+            }
         }
         const DeviceEnd end = started ? wait() : DeviceEnd::not_available;
-
-        // Motors off first; once the scheduler has stopped nobody calls back any more.
-        api_.disable_force_output();
-        api_.stop();
-        api_.unschedule(schedule);
-        drain();
+        {
+            const auto lock = Shared::lock();
+            closed_.store(true);
+            // Where no callback came nobody has taken the error that tells why, and stopping may add one of its own.
+            if (end == DeviceEnd::not_available && Shared::is_alone() && !busy_.load()) (void)failed();
+            Shared::end(api_);
+            if (schedule) api_.unschedule(*schedule);
+            while (busy_.load()) clock_.wait(); // where others go on, nothing else waits for a late callback
+            if (!Shared::is_running()) Shared::discard_errors(api_);
+        }
+        stop_.store(false, std::memory_order_relaxed);
         return end;
     }
 
 private:
-    /// Takes all errors; the gravest of them. A driver that has lost its device may never come to an end of them.
-    ApiError drain() {
-        ApiError worst;
-        for (int n = 0; n < 64; ++n) {
-            const ApiError error = api_.error();
-            if (error.kind == ErrorKind::none) break;
-            if (worst.kind == ErrorKind::none || error.kind == ErrorKind::communication ||
-                (worst.kind == ErrorKind::force && error.kind == ErrorKind::other))
-                worst = error;
+    using Shared = SharedDriver<Api>;
+    static_assert(std::atomic<bool>::is_always_lock_free, "stop() is called from signal handlers");
+
+    /// Whether the position is what it was: `ending` while the force goes down, `gone` until the device is calibrated.
+    enum class Trust : unsigned char { good, ending, gone };
+
+    void ask_abilities() {
+        double box[6]{};
+        api_.usable_workspace(box);
+        for (int k = 0; k < 3; ++k) middle_[k] = (box[k] + box[k + 3]) / 2;
+        capabilities_ = {
+            .max_force = api_.nominal_max_force(),
+            .max_stiffness = 1000 * api_.nominal_max_stiffness(),
+            .rate = api_.update_rate(),
+            .workspace = {(box[3] - box[0]) / 1000, (box[5] - box[2]) / 1000, (box[4] - box[1]) / 1000},
+            .delay = hfh::unknown_delay}; // HDAPI does not say when a frame's force begins to act
+        if constexpr (MonitoredApi<Api>) {
+            continuous_force_ = api_.nominal_max_continuous_force();
+            capabilities_.max_slew = api_.force_impulse_limit();
+            capabilities_.resolution = api_.resolution() / 1000;
         }
-        return worst;
+        Shared::discard_errors(api_); // a driver that does not know one of them has said so
     }
+
+    /// While none runs: whether there was an error, and notes it.
     bool failed() {
-        const ApiError error = drain();
+        ApiError error;
+        if (place_ == Shared::none) {
+            error = Shared::discard_errors(api_);
+        } else {
+            Shared::collect_errors(api_);
+            error = Shared::take_error(place_);
+        }
         if (error.kind == ErrorKind::none) return false;
         report_.last_error = error.code;
         published_.put(report_);
         return true;
     }
 
-    void begin() {
+    template <class Tick>
+    void begin(Tick& tick) {
         report_ = {};
+        (void)Shared::take_error(place_);
         refused_ = 0;
-        stop_.store(false, std::memory_order_relaxed);
+        is_warm_ = is_faulty_ = is_closing_ = false;
+        trust_ = Trust::good;
+        sent_ = glm::dvec3{0.0};
         done_.store(false, std::memory_order_relaxed);
+        closed_.store(false, std::memory_order_relaxed);
         updates_.store(0, std::memory_order_relaxed);
-        api_.enable_force_output();
-        api_.enable_force_ramping();
-        api_.enable_force_clamping();
+        tick_ = const_cast<void*>(static_cast<const void*>(&tick));
+        update_ = [](PhantomDevice& device, void* user) noexcept {
+            return device.update(*static_cast<Tick*>(user));
+        };
+        callback_ = {[](void* user) noexcept {
+                         // Of two flags, each set before the other is read, one side sees the other's.
+                         auto& device = *static_cast<PhantomDevice*>(user);
+                         device.busy_.store(true);
+                         const bool go_on = !device.closed_.load() && device.update_(device, device.tick_);
+                         device.busy_.store(false);
+                         return go_on;
+                     },
+                     this};
     }
 
-    /// Until the callback is done, or does not come any more.
+    /// Until the callback is done, or does not come any more, or never came.
     hfh::DeviceEnd wait() {
         unsigned long seen = 0;
         double seen_at = clock_.now();
@@ -224,7 +256,7 @@ private:
                 seen = updates;
                 seen_at = clock_.now();
             } else if (clock_.now() - seen_at > options_.patience) {
-                return hfh::DeviceEnd::lost;
+                return seen > 0 ? hfh::DeviceEnd::lost : hfh::DeviceEnd::not_available;
             }
         }
         return end_;
@@ -234,10 +266,14 @@ private:
     template <class Tick>
     bool update(Tick& tick) noexcept {
         const double now = clock_.now();
-        measure(now);
+        const double passed = measure(now);
+        if (is_closing_) return close();
 
+        Shared::make_current(api_, handle_);
         api_.begin_frame(handle_);
-        report_.calibration = api_.calibration();
+        observe();
+        const bool is_back = trust(passed);
+        const bool is_refused = is_back || withheld() != Withheld::none;
         double position[3]{}, velocity[3]{};
         api_.position(position);
         api_.velocity(velocity);
@@ -247,19 +283,48 @@ private:
                                        .velocity = z_up(velocity) / 1000.0,
                                        .has_velocity = true,
                                        .buttons = api_.buttons(),
-                                       .force_refused = refused_ > 0};
+                                       .force_refused = is_refused,
+                                       .release = trust_ == Trust::ending,
+                                       .has_sent = report_.updates > 1,
+                                       .sent = sent_,
+                                       .sent_at = sent_at_};
         hfh::DeviceCommand command;
-        if (report_.calibration == Calibration::ok) command = tick(sample);
+        if (trust_ != Trust::gone) command = tick(sample);
         if (stop_.load(std::memory_order_relaxed)) command.go_on = false;
-        const bool none = !command.go_on || refused_ > 0 || !hfh::is_finite(command.newtons);
-        const glm::dvec3 newtons = none ? glm::dvec3{0.0} : command.newtons;
-        double force[3]{newtons.x, newtons.z, -newtons.y};
-        api_.set_force(force);
-        api_.end_frame(handle_);
-        if (report_.calibration == Calibration::needs_update) api_.update_calibration();
+        sent_ = glm::dvec3{0.0};
+        sent_at_ = now;
+        if (command.go_on && !is_refused && hfh::is_finite(command.newtons))
+            sent_ = taken_back(command.newtons);
+        send();
+        if (trust_ == Trust::gone && report_.calibration == Calibration::needs_update)
+            api_.update_calibration();
         report_.longest_tick = std::max(report_.longest_tick, clock_.now() - now);
 
-        const bool go_on = judge(drain(), command.go_on);
+        Shared::collect_errors(api_);
+        const bool go_on = judge(Shared::take_error(place_), now, command.go_on);
+        is_closing_ = !go_on && sent_ != glm::dvec3{0.0};
+        report_.withheld = trust_ != Trust::good ? Withheld::calibration : withheld();
+        return publish(go_on || is_closing_);
+    }
+
+    /// An error came after a force: without one more update the motors would go on with it.
+    bool close() noexcept {
+        Shared::make_current(api_, handle_);
+        api_.begin_frame(handle_);
+        sent_ = glm::dvec3{0.0};
+        send();
+        Shared::collect_errors(api_); // what ended the run is told already
+        return publish(false);
+    }
+
+    /// Ends the frame with the force `sent_`.
+    void send() noexcept {
+        double force[3]{sent_.x, sent_.z, -sent_.y};
+        api_.set_force(force);
+        api_.end_frame(handle_);
+    }
+
+    bool publish(bool go_on) noexcept {
         published_.put(report_);
         updates_.store(report_.updates, std::memory_order_relaxed);
         if (!go_on) done_.store(true, std::memory_order_release);
@@ -269,42 +334,125 @@ private:
     /// +x right, +y up, +z to the user → +x right, +y away from the user, +z up.
     static glm::dvec3 z_up(const double (&p)[3]) noexcept { return {p[0], -p[2], p[1]}; }
 
-    void measure(double now) noexcept {
+    /// Seconds since the last update.
+    double measure(double now) noexcept {
+        const double passed = report_.updates > 0 ? now - last_ : 0;
         if (report_.updates++ > 0 && capabilities_.rate > 0) {
-            const double past_due = now - last_ - 1 / capabilities_.rate;
+            const double past_due = passed - 1 / capabilities_.rate;
             report_.latest = std::max(report_.latest, past_due);
             report_.late += past_due > options_.late_after;
         }
         last_ = now;
+        return passed;
     }
 
-    bool judge(const ApiError& error, bool go_on) noexcept {
+    /// How the device is. In the first update ever, what it does not know is told by an error after the question.
+    void observe() noexcept {
+        report_.calibration = api_.calibration();
+        if constexpr (MonitoredApi<Api>) {
+            if (!has_asked_) Shared::collect_errors(api_); // those of before the questions
+            ask(knows_temperature_, report_.temperature, [&] { return api_.motor_temperature(); });
+            ask(knows_inkwell_, report_.inkwell_switch, [&] { return api_.inkwell_switch(); });
+            ask(knows_safety_, report_.safety_switch, [&] { return api_.safety_switch(); });
+            has_asked_ = true;
+        }
+    }
+    template <class T, class Read>
+    void ask(bool& knows, std::optional<T>& told, Read read) noexcept {
+        if (!knows) return;
+        told = read();
+        if (has_asked_) return;
+        const ApiError error = api_.error();
+        if (error.kind == ErrorKind::other) {
+            knows = false;
+            told.reset();
+        } else if (error.kind != ErrorKind::none) {
+            Shared::put_down(error);
+        }
+    }
+
+    /// Follows what the device wants of calibration. True in the one update in which the position is good again.
+    bool trust(double passed) noexcept {
+        const bool is_ok = report_.calibration == Calibration::ok;
+        const Trust before = trust_;
+        if (is_ok) {
+            trust_ = Trust::good;
+        } else if (report_.updates == 1) {
+            trust_ = Trust::gone; // no tick has been called in this run, nor a force given
+        } else if (before == Trust::good) {
+            trust_ = Trust::ending;
+            most_ = fall_from_ = glm::length(sent_);
+        } else if (before == Trust::ending && sent_ == glm::dvec3{0.0}) {
+            trust_ = Trust::gone;
+        }
+        if (trust_ == Trust::ending) {
+            const double part = options_.take_back > passed ? passed / options_.take_back : 1;
+            most_ = std::max(0.0, most_ - part * fall_from_);
+        }
+        return before == Trust::gone && is_ok;
+    }
+    [[nodiscard]] glm::dvec3 taken_back(const glm::dvec3& newtons) const noexcept {
+        const double length = glm::length(newtons);
+        return trust_ == Trust::good || length <= most_ ? newtons : newtons * (most_ / length);
+    }
+
+    [[nodiscard]] Withheld withheld() const noexcept {
+        return is_faulty_     ? Withheld::device_fault
+               : is_warm_     ? Withheld::warm_motors
+               : refused_ > 0 ? Withheld::force_error
+                              : Withheld::none;
+    }
+
+    bool judge(const ApiError& error, double now, bool go_on) noexcept {
         using hfh::DeviceEnd;
+        const bool is_warm = error.kind == ErrorKind::warm;
         if (error.kind != ErrorKind::none) report_.last_error = error.code;
+        if (is_warm) warm_at_ = now;
+        is_warm_ = is_warm || (is_warm_ && !is_cool(now));
+        is_faulty_ = error.kind == ErrorKind::device_fault;
+        report_.device_faults += is_faulty_;
         refused_ = error.kind == ErrorKind::force ? refused_ + 1 : 0;
-        report_.force_errors += error.kind == ErrorKind::force;
+        report_.force_errors += error.kind == ErrorKind::force || is_warm;
         end_ = error.kind == ErrorKind::communication  ? DeviceEnd::lost
                : error.kind == ErrorKind::other        ? DeviceEnd::fault
                : refused_ >= options_.max_force_errors ? DeviceEnd::force_fault
                                                        : DeviceEnd::stopped;
         return go_on && end_ == DeviceEnd::stopped;
     }
+    [[nodiscard]] bool is_cool(double now) const noexcept {
+        return report_.temperature ? *report_.temperature < options_.cool_below
+                                   : now - warm_at_ > options_.cool_after;
+    }
 
     Options options_;
     Api api_;
     Clock clock_;
     typename Api::Handle handle_{};
+    std::size_t place_ = Shared::none;
     bool is_open_ = false;
     hfh::DeviceCapabilities capabilities_{};
-    double middle_[3]{}; ///< mm, of the usable workspace, in the driver's axes
+    double continuous_force_ = 0; ///< N
+    double middle_[3]{};          ///< mm, of the usable workspace, in the driver's axes
+
+    // Of a run: set before it starts.
+    Callback callback_{};
+    bool (*update_)(PhantomDevice&, void* tick) noexcept = nullptr;
+    void* tick_ = nullptr;
 
     // The driver's thread's during a run.
     Report report_{};
-    double last_ = 0; ///< s: the last update
-    int refused_ = 0; ///< updates in a row with a force error
+    double last_ = 0, warm_at_ = 0; ///< s: the last update, the last error of warm motors
+    int refused_ = 0;               ///< updates in a row with a force error
+    bool is_warm_ = false, is_faulty_ = false, is_closing_ = false;
+    bool has_asked_ = false, knows_temperature_ = true, knows_inkwell_ = true, knows_safety_ = true;
+    Trust trust_ = Trust::good;
+    double fall_from_ = 0; ///< N: before a calibration, the force from which it goes down
+    double most_ = 0;      ///< N: how much of it there may still be
+    glm::dvec3 sent_{0.0}; ///< N: what the motors got last
+    double sent_at_ = 0;   ///< s: the time of the update in which they did
 
     hfh::DeviceEnd end_ = hfh::DeviceEnd::stopped; ///< written before `done_`, read after it
-    std::atomic<bool> done_{false}, stop_{false};
+    std::atomic<bool> done_{false}, stop_{false}, busy_{false}, closed_{false};
     std::atomic<unsigned long> updates_{0};
     hfh::LatestValue<Report> published_{};
 };

@@ -9,8 +9,30 @@
 #include <hfh/workspace.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace phantom {
+
+/// Where the hand is, as far as a person should know: where nothing is felt, or something that is not the terrain.
+enum class Place : unsigned char {
+    on_map,
+    below_ground, ///< under the surface without having met it from above: no force until it has been outside once
+    beyond_map, ///< outside the rim of the map: no force, or what the field does there
+    over_hole,  ///< the map has no ground here: no force
+    device_edge ///< at the end of the device's reach, where its own stops are felt
+};
+
+/// What to tell the person; empty where there is nothing to tell.
+[[nodiscard]] constexpr const char* hint(Place place) noexcept {
+    switch (place) {
+    case Place::on_map: return "";
+    case Place::below_ground: return "below the ground: lift the stylus out of it to feel it again";
+    case Place::beyond_map: return "beyond the edge of the map";
+    case Place::over_hole: return "a hole in the map";
+    case Place::device_edge: return "the end of the device's reach: hold button 1 and move back";
+    }
+    return "";
+}
 
 /// What a display shows.
 struct Shown {
@@ -19,6 +41,14 @@ struct Shown {
     glm::dvec3 force{0.0};  ///< N, at the hand
     hfh::ContactStatus contact = hfh::ContactStatus::free;
     hfh::GuardTrip trip = hfh::GuardTrip::none;
+    Place place = Place::on_map;
+};
+
+/// What a scene has to know to tell a person where the hand is.
+struct Bounds {
+    glm::dvec3 workspace{0.0}; ///< m, the device's, as in its capabilities; 0: not told
+    hfh::CellRange map{};      ///< where the terrain is known, if the field goes on beyond it; else empty
+    double margin = 0.005;     ///< m from the edge of the device's workspace that count as there
 };
 
 /// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. Where a ridge lets go
@@ -30,9 +60,12 @@ public:
 
     /// `stiffness`: N/m at the hand.
     Scene(const Field& field, const hfh::WorkspaceFrame& frame, double stiffness,
-          const hfh::GuardLimits& limits)
+          const hfh::GuardLimits& limits, const Bounds& bounds = {})
         : workspace_{frame}, tracker_{field, {.max_slide = 8}}, guard_{limits},
-          force_{.stiffness = workspace_.terrain_stiffness(stiffness)} {}
+          force_{.stiffness = workspace_.terrain_stiffness(stiffness)}, lattice_{field.lattice()},
+          bounds_{bounds} {
+        if (bounds_.map.empty()) bounds_.map = field.cells();
+    }
 
     hfh::DeviceCommand operator()(const hfh::DeviceSample& sample) noexcept {
         if (sample.force_refused) tracker_.reset();
@@ -42,8 +75,9 @@ public:
         const auto sent = guard_.update(sample, asked, contact.status == hfh::ContactStatus::buried);
         if (clutch) guard_.restart(); // no force meanwhile, and the ramp afterwards
         const hfh::DeviceCommand command{clutch ? glm::dvec3{0.0} : sent.newtons};
-        shown_.put({sample.time, workspace_.to_terrain(sample.position), command.newtons, contact.status,
-                    sent.trip});
+        const glm::dvec3 stylus = workspace_.to_terrain(sample.position);
+        shown_.put({sample.time, stylus, command.newtons, contact.status, sent.trip,
+                    place_of(sample.position, stylus, contact.status)});
         return command;
     }
 
@@ -53,21 +87,42 @@ public:
     [[nodiscard]] const hfh::GuardCounts& counts() const noexcept { return guard_.counts(); }
 
 private:
+    [[nodiscard]] Place place_of(const glm::dvec3& hand, const glm::dvec3& stylus,
+                                 hfh::ContactStatus contact) const noexcept {
+        using hfh::ContactStatus;
+        const hfh::CellRange& map = bounds_.map;
+        const double u = lattice_.u_of(stylus.x, map.first.i), v = lattice_.v_of(stylus.y, map.first.j);
+        const bool is_on_map = u >= 0 && u <= static_cast<double>(map.last.i - map.first.i) && v >= 0 &&
+                               v <= static_cast<double>(map.last.j - map.first.j);
+        if (contact == ContactStatus::buried) return Place::below_ground;
+        if (!is_on_map) return Place::beyond_map;
+        if (contact == ContactStatus::off_surface || contact == ContactStatus::left_at_hole)
+            return Place::over_hole;
+        for (int k = 0; k < 3; ++k)
+            if (bounds_.workspace[k] > 0 && std::abs(hand[k]) > bounds_.workspace[k] / 2 - bounds_.margin)
+                return Place::device_edge;
+        return Place::on_map;
+    }
+
     hfh::Workspace<Scalar> workspace_;
     hfh::ProxyTracker<Field> tracker_;
     hfh::ForceGuard guard_;
     hfh::ForceEvaluator<Scalar> force_;
+    hfh::Lattice lattice_;
+    Bounds bounds_;
     hfh::LatestValue<Shown> shown_{};
 };
 
-/// Limits and stiffness that a device can do; what it does not tell is taken from the smallest, the Touch. No more N/ms
-/// than the stiffest wall takes when a hand meets it at 2 m/s, which is a fast reach.
-[[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
-    return {.max_force = device.max_force > 0 ? device.max_force : 3.3,
-            .max_slew = device.max_stiffness > 0 ? 0.002 * device.max_stiffness : 1.0};
-}
+/// N/m at the hand that a device can render: below what the maker recommends; where the driver does not tell, what the
+/// smallest, the Touch, can do.
 [[nodiscard]] inline double stiffness_for(const hfh::DeviceCapabilities& device) noexcept {
     return device.max_stiffness > 0 ? 0.8 * device.max_stiffness : 400;
+}
+/// Limits that fit a device and that stiffness.
+[[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
+    hfh::GuardLimits limits = hfh::guard_limits(device);
+    limits.stiffness = stiffness_for(device);
+    return limits;
 }
 
 /// The breadth of the workspace becomes that of the terrain.

@@ -33,14 +33,18 @@ struct DeviceCommand {
     bool go_on = true;       ///< false: no force, and no further sample
 };
 
-/// What a device can do. Zero where it does not tell.
+/// A delay that the device does not tell. Not the same as none: what is stable without a delay need not be with one.
+inline constexpr int unknown_delay = -1;
+
+/// What a device can do. Zero where it does not tell, but for the delay.
 struct DeviceCapabilities {
     double max_force = 0;      ///< N
     double max_stiffness = 0;  ///< N/m, closed loop, as the maker recommends
     double rate = 0;           ///< updates per second
     double resolution = 0;     ///< metres, of one step of the position
     glm::dvec3 workspace{0.0}; ///< metres, extent along x, y and z, centred on 0
-    int delay = 0; ///< updates from a sample to the first one that its force has acted on, less one
+    /// Updates from a sample to the first one that its force has acted on, less one; or `unknown_delay`.
+    int delay = 0;
     /// N/ms: the steepest rise of the force that the device lets pass (HDAPI: HD_SOFTWARE_FORCE_IMPULSE_LIMIT).
     double max_slew = 0;
 };
@@ -49,7 +53,7 @@ struct DeviceCapabilities {
 enum class DeviceEnd : unsigned char {
     stopped,       ///< the tick said so
     not_available, ///< no device, or it did not start
-    force_fault,   ///< the device refused to render forces: too warm, too large, an amplifier fault
+    force_fault,   ///< the device went on refusing to render forces: too large, an amplifier fault
     lost,          ///< the connection broke
     fault          ///< another error that ends the run
 };

@@ -6,8 +6,8 @@
 namespace hfh::test {
 
 FakeHd& fake_hd() {
-    static FakeHd device;
-    return device;
+    static FakeHd driver;
+    return driver;
 }
 
 #ifdef HFH_TEST_HAND
@@ -19,27 +19,36 @@ static void stop_hand() {}
 #endif
 
 /// A driver may be called from any thread while it ticks in its own.
-static std::unique_lock<std::recursive_mutex> lock() {
-    static std::recursive_mutex mutex;
+static std::unique_lock<std::mutex> lock() {
+    static std::mutex mutex;
     return std::unique_lock{mutex};
 }
 
+static thread_local bool ticking = false;
+
+/// Like a servo loop, does not hold off other calls while a callback runs.
 void FakeHd::update() {
-    const auto locked = lock();
-    if (callback == nullptr) return; // it was done
-    if (before_update) before_update(updates);
+    auto locked = lock();
+    if (scheduled.empty()) return;
+    const int n = updates;
+    locked.unlock();
+    if (before_update) before_update(n);
+    locked.lock();
     ++updates;
     in_tick.clear();
-    ticking = true;
-    const HDCallbackCode code = callback(user);
-    ticking = false;
-    if (in_frame) breaches.emplace_back("a tick ends within a frame");
-    if (!errors.empty()) breaches.emplace_back("a tick leaves errors behind");
-    if (code == HD_CALLBACK_DONE) {
-        callback = nullptr;
-        left = force;
-    } else if (code != HD_CALLBACK_CONTINUE) {
-        breaches.emplace_back("a callback returns something else");
+    for (const Scheduled& next : std::vector<Scheduled>{scheduled}) {
+        locked.unlock();
+        ticking = true;
+        const HDCallbackCode code = next.callback(next.user);
+        ticking = false;
+        locked.lock();
+        if (in_frame || second.in_frame) breaches.emplace_back("a tick ends within a frame");
+        if (!errors.empty()) breaches.emplace_back("a tick leaves errors behind");
+        if (code != HD_CALLBACK_DONE && code != HD_CALLBACK_CONTINUE)
+            breaches.emplace_back("a callback returns something else");
+        if (code == HD_CALLBACK_CONTINUE) continue;
+        std::erase_if(scheduled, [&](const Scheduled& s) { return s.handle == next.handle; });
+        (current == second.handle ? second.left : left) = current == second.handle ? second.force : force;
     }
 }
 
@@ -47,13 +56,35 @@ namespace {
 
 void note(const char* call) {
     FakeHd& hd = fake_hd();
-    (hd.ticking ? hd.in_tick : hd.calls).emplace_back(call);
+    (ticking ? hd.in_tick : hd.calls).emplace_back(call);
 }
 void must(bool holds, const char* what) {
     if (!holds) fake_hd().breaches.emplace_back(what);
 }
 void raise(unsigned error) {
-    if (error != 0) fake_hd().errors.push_back(error);
+    if (error != 0) fake_hd().errors.emplace_back(error, fake_hd().current);
+}
+FakeDevice* find(HHD device) {
+    FakeHd& hd = fake_hd();
+    return device == hd.handle ? &hd : device == hd.second.handle ? &hd.second : nullptr;
+}
+/// That which calls without a handle are for.
+FakeDevice& current() {
+    FakeDevice* device = find(fake_hd().current);
+    must(device != nullptr && device->open, "a call without a handle is for an open device");
+    return device != nullptr ? *device : fake_hd();
+}
+/// Whether the current device knows this; raises an error if not.
+bool knows(HDenum name) {
+    const auto& unknown = current().unknown;
+    const bool known = std::find(unknown.begin(), unknown.end(), name) == unknown.end();
+    if (!known) raise(HD_INVALID_ENUM);
+    return known;
+}
+void must_be_owner() {
+    FakeHd& hd = fake_hd();
+    must(ticking || !hd.started || hd.scheduled.empty(),
+         "while the servo loop runs nobody else makes such a call");
 }
 
 } // namespace
@@ -64,31 +95,42 @@ using namespace hfh::test;
 HDErrorInfo hdGetError() {
     const auto locked = lock();
     note("error");
+    must_be_owner();
     FakeHd& hd = fake_hd();
     HDErrorInfo info{};
     if (hd.errors.empty()) return info;
-    info.errorCode = hd.errors.front();
-    hd.errors.pop_front();
+    info.errorCode = hd.errors.back().code;
+    info.hHD = hd.errors.back().device;
+    hd.errors.pop_back();
     return info;
 }
 
-HHD hdInitDevice(HDstring) {
+HHD hdInitDevice(HDstring name) {
     const auto locked = lock();
     note("init");
     FakeHd& hd = fake_hd();
+    must(!hd.started, "devices are opened before the scheduler starts");
     must(hd.errors.empty(), "errors of before are taken before init");
+    FakeDevice& device = name != HD_DEFAULT_DEVICE && std::string{name} == "second" ? hd.second : hd;
     raise(hd.init_error);
     if (hd.init_gives_no_handle) return HD_INVALID_HANDLE;
-    hd.open = true;
-    return 5;
+    device.open = true;
+    return hd.current = device.handle;
 }
 
 void hdDisableDevice(HHD device) {
     const auto locked = lock();
     note("close");
-    must(device == 5 && fake_hd().open, "an open device is closed");
+    must(find(device) != nullptr && find(device)->open, "an open device is closed");
     must(!fake_hd().started, "the scheduler is stopped before the device is closed");
-    fake_hd().open = false;
+    if (FakeDevice* closed = find(device)) closed->open = false;
+}
+
+void hdMakeCurrentDevice(HHD device) {
+    const auto locked = lock();
+    must_be_owner();
+    must(find(device) != nullptr && find(device)->open, "an open device is made the current one");
+    fake_hd().current = device;
 }
 
 void hdEnable(HDenum capability) {
@@ -97,8 +139,8 @@ void hdEnable(HDenum capability) {
          : capability == HD_FORCE_RAMPING      ? "enable ramping"
          : capability == HD_MAX_FORCE_CLAMPING ? "enable clamping"
                                                : "enable something else");
-    must(fake_hd().open, "enabled when open");
-    fake_hd().enabled.push_back(capability);
+    must(current().open, "enabled when open");
+    current().enabled.push_back(capability);
     raise(fake_hd().enable_error);
 }
 
@@ -106,12 +148,12 @@ void hdDisable(HDenum capability) {
     const auto locked = lock();
     note("disable output");
     must(capability == HD_FORCE_OUTPUT, "only the output is disabled");
-    std::fill(fake_hd().force.begin(), fake_hd().force.end(), 0.0);
+    std::fill(current().force.begin(), current().force.end(), 0.0);
 }
 
 void hdGetDoublev(HDenum name, HDdouble* values) {
     const auto locked = lock();
-    FakeHd& hd = fake_hd();
+    FakeDevice& hd = current();
     if (name == HD_CURRENT_POSITION || name == HD_CURRENT_VELOCITY) must(hd.in_frame, "read within a frame");
     switch (name) {
     case HD_CURRENT_POSITION:
@@ -122,6 +164,11 @@ void hdGetDoublev(HDenum name, HDdouble* values) {
         note("velocity");
         std::copy(hd.velocity, hd.velocity + 3, values);
         break;
+    case HD_MOTOR_TEMPERATURE:
+        note("temperature");
+        if (knows(name)) std::copy(hd.temperature, hd.temperature + 6, values);
+        raise(hd.temperature_error);
+        break;
     case HD_NOMINAL_MAX_STIFFNESS:
         note("stiffness");
         *values = hd.stiffness;
@@ -129,6 +176,14 @@ void hdGetDoublev(HDenum name, HDdouble* values) {
     case HD_NOMINAL_MAX_FORCE:
         note("max force");
         *values = hd.max_force;
+        break;
+    case HD_NOMINAL_MAX_CONTINUOUS_FORCE:
+        note("continuous force");
+        if (knows(name)) *values = hd.continuous_force;
+        break;
+    case HD_SOFTWARE_FORCE_IMPULSE_LIMIT:
+        note("impulse");
+        if (knows(name)) *values = hd.impulse;
         break;
     case HD_USABLE_WORKSPACE_DIMENSIONS:
         note("workspace");
@@ -140,7 +195,7 @@ void hdGetDoublev(HDenum name, HDdouble* values) {
 
 void hdGetIntegerv(HDenum name, HDint* values) {
     const auto locked = lock();
-    FakeHd& hd = fake_hd();
+    FakeDevice& hd = current();
     switch (name) {
     case HD_CURRENT_BUTTONS:
         note("buttons");
@@ -155,75 +210,97 @@ void hdGetIntegerv(HDenum name, HDint* values) {
     }
 }
 
+void hdGetBooleanv(HDenum name, HDboolean* values) {
+    const auto locked = lock();
+    FakeDevice& hd = current();
+    must(hd.in_frame, "switches are read within a frame");
+    note(name == HD_CURRENT_INKWELL_SWITCH ? "inkwell" : "safety");
+    must(name == HD_CURRENT_INKWELL_SWITCH || name == HD_CURRENT_SAFETY_SWITCH, "a boolean that is none");
+    if (knows(name)) *values = name == HD_CURRENT_INKWELL_SWITCH ? hd.inkwell : hd.safety;
+}
+
+HDstring hdGetString(HDenum name) {
+    const auto locked = lock();
+    note("model");
+    must(name == HD_DEVICE_MODEL_TYPE, "a string that is none");
+    return knows(name) ? current().model : nullptr;
+}
+
 void hdSetDoublev(HDenum name, const HDdouble* values) {
     const auto locked = lock();
     note("force");
-    must(name == HD_CURRENT_FORCE && fake_hd().in_frame, "the force is set within a frame");
-    fake_hd().force.assign(values, values + 3);
+    must(name == HD_CURRENT_FORCE && current().in_frame, "the force is set within a frame");
+    current().force.assign(values, values + 3);
 }
 
 void hdBeginFrame(HHD device) {
     const auto locked = lock();
     note("begin");
-    must(device == 5 && !fake_hd().in_frame && fake_hd().ticking, "a frame begins in a tick");
-    fake_hd().in_frame = true;
+    must(device == fake_hd().current && !current().in_frame && ticking, "a frame begins in a tick");
+    current().in_frame = true;
 }
 
 void hdEndFrame(HHD device) {
     const auto locked = lock();
     note("end");
-    must(device == 5 && fake_hd().in_frame, "a frame ends that has begun");
-    fake_hd().in_frame = false;
+    must(device == fake_hd().current && current().in_frame, "a frame ends that has begun");
+    current().in_frame = false;
 }
 
 HDenum hdCheckCalibration() {
     const auto locked = lock();
     note("check calibration");
-    must(fake_hd().ticking, "calibration is checked in the servo loop");
-    return fake_hd().calibration;
+    must(ticking, "calibration is checked in the servo loop");
+    return current().calibration;
 }
 
 void hdUpdateCalibration(HDenum style) {
     const auto locked = lock();
     note("update calibration");
-    FakeHd& hd = fake_hd();
-    must(hd.ticking && !hd.in_frame, "calibration is updated in the servo loop, outside of a frame");
+    FakeDevice& hd = current();
+    must(ticking && !hd.in_frame, "calibration is updated in the servo loop, outside of a frame");
     must(style == HD_CALIBRATION_AUTO || style == HD_CALIBRATION_INKWELL, "never by resetting the encoders");
     must((hd.styles & static_cast<int>(style)) != 0, "in a style that the device has");
+    must(std::all_of(hd.force.begin(), hd.force.end(), [](double f) { return f == 0; }),
+         "the force is zero when the position jumps");
     ++hd.calibrations;
+    if (fake_hd().calibrated) fake_hd().calibrated(hd.calibrations);
 }
 
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* user, HDushort priority) {
     const auto locked = lock();
     note("schedule");
     FakeHd& hd = fake_hd();
-    must(!hd.started, "scheduled before the scheduler starts");
-    hd.callback = callback;
-    hd.user = user;
+    hd.scheduled.push_back({++hd.last_schedule, callback, user});
     hd.priority = priority;
     raise(hd.schedule_error);
-    return 0x1'0000'0001ul; // does not fit into an int
+    return hd.last_schedule;
 }
 
 void hdUnschedule(HDSchedulerHandle handle) {
     const auto locked = lock();
     note("unschedule");
-    must(handle == 0x1'0000'0001ul, "what was scheduled is unscheduled");
-    must(!fake_hd().started, "stopped before it is unscheduled");
-    fake_hd().callback = nullptr;
+    FakeHd& hd = fake_hd();
+    must(0x1'0000'0000ul < handle && handle <= hd.last_schedule, "what was scheduled is unscheduled");
+    std::erase_if(hd.scheduled, [&](const FakeHd::Scheduled& s) { return s.handle == handle; });
+    must(!hd.started || !hd.scheduled.empty(), "stopped before the last one is unscheduled");
 }
 
 void hdStartScheduler() {
-    const auto locked = lock();
+    auto locked = lock();
     note("start");
+    must(!fake_hd().started, "started once");
     raise(fake_hd().start_error);
     fake_hd().started = fake_hd().start_error == 0;
-    if (fake_hd().started) start_hand();
+    if (!fake_hd().started) return;
+    locked.unlock(); // it may tick before this returns
+    start_hand();
 }
 
 void hdStopScheduler() {
     stop_hand(); // waits for a tick that may call the driver
     const auto locked = lock();
     note("stop");
+    if (!fake_hd().started) raise(HD_TIMER_ERROR);
     fake_hd().started = false;
 }

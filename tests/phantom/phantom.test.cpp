@@ -2,10 +2,17 @@
 #include "fake_hd.hpp"
 
 #include "openhaptics.hpp"
+#include "phantom_device.hpp"
 #include "scene.hpp"
+
+#include <hfh/level_beyond.hpp>
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,10 +84,11 @@ TEST_CASE("phantom: calls in the order that the driver asks for, and leaves it a
     CHECK(hd.breaches == Names{});
     CHECK(hd.calls.front() == "error");
     CHECK(without_errors(hd.calls) == Names{"init", "workspace", "max force", "stiffness", "rate",
-                                            "enable output", "enable ramping", "enable clamping", "schedule",
-                                            "start", "disable output", "stop", "unschedule", "close"});
-    CHECK(hd.in_tick ==
-          Names{"begin", "check calibration", "position", "velocity", "buttons", "force", "end", "error"});
+                                            "continuous force", "impulse", "model", "enable output",
+                                            "enable ramping", "enable clamping", "schedule", "start",
+                                            "disable output", "stop", "unschedule", "close"});
+    CHECK(hd.in_tick == Names{"begin", "check calibration", "temperature", "inkwell", "safety", "position",
+                              "velocity", "buttons", "force", "end", "error"});
     CHECK(hd.priority == HD_MAX_SCHEDULER_PRIORITY);
     CHECK_FALSE(hd.open);
 }
@@ -139,20 +147,20 @@ TEST_CASE("phantom: a device that does not open, or does not start, is not avail
     if (which == 1) hd.init_error = HD_DEVICE_FAULT;
     if (which == 2) hd.enable_error = HD_BAD_HANDLE;
     if (which == 3) hd.schedule_error = HD_SCHEDULER_FULL;
-    if (which == 4) hd.start_error = HD_TIMER_ERROR;
+    if (which == 4) hd.start_error = HD_ILLEGAL_BEGIN;
     {
         Phantom device;
         CHECK(device.is_open() == (which > 1));
         Asks asks;
         CHECK(device.run(asks) == DeviceEnd::not_available);
         CHECK(asks.samples.empty());
-        const unsigned codes[] = {0, HD_DEVICE_FAULT, HD_BAD_HANDLE, HD_SCHEDULER_FULL, HD_TIMER_ERROR};
+        const unsigned codes[] = {0, HD_DEVICE_FAULT, HD_BAD_HANDLE, HD_SCHEDULER_FULL, HD_ILLEGAL_BEGIN};
         CHECK(device.report().last_error == codes[which]);
     }
     CHECK(hd.breaches == Names{});
     CHECK_FALSE(hd.open);
     CHECK_FALSE(hd.started);
-    CHECK(hd.callback == nullptr);
+    CHECK(hd.scheduled.empty());
 }
 
 TEST_CASE("phantom: a force error lets go of the contact, and the run goes on", "[phantom]") {
@@ -183,7 +191,7 @@ TEST_CASE("phantom: force errors without an end end the run", "[phantom]") {
     auto& hd = fresh();
     Phantom device{nullptr, {.max_force_errors = 7}};
     hd.before_update = [&](int n) {
-        if (n >= 20) hd.errors.push_back(HD_WARM_MOTORS);
+        if (n >= 20) hd.errors.push_back(HD_EXCEEDED_MAX_FORCE);
     };
     Asks asks;
     CHECK(device.run(asks) == DeviceEnd::force_fault);
@@ -199,8 +207,8 @@ TEST_CASE("phantom: any other error ends the run at once, with the force at zero
     const auto [code, end] =
         GENERATE(Case{HD_COMM_ERROR, DeviceEnd::lost}, Case{HD_COMM_CONFIG_ERROR, DeviceEnd::lost},
                  Case{HD_FRAME_ERROR, DeviceEnd::fault}, Case{HD_ILLEGAL_BEGIN, DeviceEnd::fault},
-                 Case{HD_ILLEGAL_END, DeviceEnd::fault}, Case{HD_DEVICE_FAULT, DeviceEnd::fault},
-                 Case{HD_TIMER_ERROR, DeviceEnd::fault}, Case{12345u, DeviceEnd::fault});
+                 Case{HD_ILLEGAL_END, DeviceEnd::fault}, Case{HD_TIMER_ERROR, DeviceEnd::fault},
+                 Case{12345u, DeviceEnd::fault});
     const bool with_force_error = GENERATE(false, true);
     auto& hd = fresh();
     Phantom device;
@@ -210,11 +218,188 @@ TEST_CASE("phantom: any other error ends the run at once, with the force at zero
     };
     Asks asks;
     CHECK(device.run(asks) == end);
+    CHECK(hd.left == std::vector<double>{0, 0, 0}); // by the driver's thread, before anything is switched off
     CHECK(asks.samples.size() == 31);
     CHECK(forceless(hd));
     CHECK(device.report().last_error == code);
     CHECK_FALSE(hd.started);
     CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: with warm motors there is no force until they have cooled, and the run goes on",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    const bool tells = GENERATE(true, false); // the temperature
+    if (!tells) hd.unknown = {HD_MOTOR_TEMPERATURE};
+    Phantom device;
+    std::vector<bool> zero;
+    hd.before_update = [&](int n) {
+        if (n > 0) zero.push_back(forceless(hd)); // what tick n - 1 has set
+        if (n >= 50 && n < 250) hd.errors.push_back(HD_WARM_MOTORS);
+        hd.temperature[2] = n < 40 ? 0.2 : n < 300 ? 1.0 : n < 4000 ? 0.51 : 0.49;
+        if (n == 200) {
+            CHECK(device.report().withheld == phantom::Withheld::warm_motors);
+            CHECK(device.report().temperature == (tells ? std::optional{1.0} : std::nullopt));
+        }
+    };
+    Asks asks{.often = 6000};
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    REQUIRE(asks.samples.size() == 6000);
+    // Without a temperature, when the last error is more than 5 s ago; the fake's tick takes a millisecond.
+    const std::size_t cooled = tells ? 4001 : 249 + 5001 + 1;
+    for (std::size_t n = 0; n < 5999; ++n) {
+        const bool warm = n > 50 && n < cooled;
+        CAPTURE(n, tells);
+        if (asks.samples[n].force_refused != warm) CHECK(asks.samples[n].force_refused == warm);
+        if (zero[n] != warm) CHECK(zero[n] == warm);
+    }
+    CHECK(device.report().force_errors == 200);
+    CHECK(device.report().withheld == phantom::Withheld::none);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: a device fault lets go of the contact, and the run goes on once the driver has recovered",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    std::vector<bool> zero;
+    hd.before_update = [&](int n) {
+        if (n > 0) zero.push_back(forceless(hd));
+        if (n >= 50 && n < 450) hd.errors.push_back(HD_DEVICE_FAULT);
+        if (n == 400) CHECK(device.report().withheld == phantom::Withheld::device_fault);
+    };
+    Asks asks{.often = 600};
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    REQUIRE(asks.samples.size() == 600);
+    for (std::size_t n = 0; n < 599; ++n) {
+        const bool faulty = n > 50 && n <= 450;
+        if (asks.samples[n].force_refused != faulty) CHECK(asks.samples[n].force_refused == faulty);
+        if (zero[n] != faulty) CHECK(zero[n] == faulty);
+    }
+    CHECK(device.report().device_faults == 400);
+    CHECK(device.report().last_error == HD_DEVICE_FAULT);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: a stop before the run ends that run, and only that", "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    device.stop();
+    Asks asks;
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(asks.samples.empty());
+    CHECK_FALSE(hd.started);
+    CHECK(hd.enabled.empty()); // the motors were never on
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(asks.samples.size() == 100);
+
+    hd.before_update = [&](int n) {
+        if (n == 150) device.stop(); // within a run: that one's alone
+    };
+    Asks stopped;
+    CHECK(device.run(stopped) == DeviceEnd::stopped);
+    CHECK(stopped.samples.size() == 51);
+    Asks again;
+    CHECK(device.run(again) == DeviceEnd::stopped);
+    CHECK(again.samples.size() == 100);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: of errors that come together the gravest counts, of equally grave ones the most recent",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    hd.before_update = [&](int n) {
+        if (n == 10) {
+            hd.errors.push_back(HD_EXCEEDED_MAX_FORCE);
+            hd.errors.push_back(HD_EXCEEDED_MAX_VELOCITY); // on top of the stack
+        }
+        if (n == 20) {
+            CHECK(device.report().last_error == HD_EXCEEDED_MAX_VELOCITY);
+            hd.errors.push_back(HD_DEVICE_FAULT);
+            hd.errors.push_back(HD_FORCE_ERROR);
+        }
+        if (n == 30) CHECK(device.report().last_error == HD_DEVICE_FAULT);
+    };
+    Asks asks;
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(device.report().force_errors == 1);
+    CHECK(device.report().device_faults == 1);
+}
+
+TEST_CASE("phantom: what the driver tells of the device is told on", "[phantom][regression]") {
+    auto& hd = fresh();
+    SECTION("all of it") {
+        hd.temperature[1] = 0.4;
+        hd.inkwell = false;
+        Phantom device;
+        CHECK(device.capabilities().resolution == Approx(0.055e-3));
+        CHECK(device.continuous_force() == 0.88);
+        CHECK(device.capabilities().max_slew == 0.7);
+        Asks asks;
+        CHECK(device.run(asks) == DeviceEnd::stopped);
+        CHECK(device.report().temperature == 0.4);
+        CHECK(device.report().inkwell_switch == false);
+        CHECK(device.report().safety_switch == true);
+        CHECK(device.capabilities().delay == unknown_delay);
+    }
+    SECTION("none of it, with an error each, which ends nothing and comes once") {
+        hd.unknown = {HD_NOMINAL_MAX_CONTINUOUS_FORCE,
+                      HD_SOFTWARE_FORCE_IMPULSE_LIMIT,
+                      HD_DEVICE_MODEL_TYPE,
+                      HD_MOTOR_TEMPERATURE,
+                      HD_CURRENT_INKWELL_SWITCH,
+                      HD_CURRENT_SAFETY_SWITCH};
+        Phantom device;
+        CHECK(device.is_open());
+        CHECK(device.capabilities().resolution == 0);
+        CHECK(device.continuous_force() == 0);
+        CHECK(device.capabilities().max_slew == 0);
+        for (int run = 0; run < 2; ++run) {
+            Asks asks;
+            CHECK(device.run(asks) == DeviceEnd::stopped);
+            CHECK(asks.samples.size() == 100);
+            CHECK_FALSE(device.report().temperature);
+            CHECK_FALSE(device.report().inkwell_switch);
+            CHECK_FALSE(device.report().safety_switch);
+            CHECK(std::count(hd.in_tick.begin(), hd.in_tick.end(), "safety") == 0);
+        }
+    }
+    SECTION("an error that is none of the questions' is still heard") {
+        hd.before_update = [&](int n) { hd.temperature_error = n == 0 ? unsigned{HD_WARM_MOTORS} : 0u; };
+        Phantom device;
+        Asks asks;
+        CHECK(device.run(asks) == DeviceEnd::stopped);
+        CHECK(device.report().force_errors == 1);
+        CHECK(device.report().temperature == 0);
+        CHECK(asks.samples[1].force_refused);
+    }
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: position resolutions by the model's name", "[phantom]") {
+    const auto of = [](const char* model) { return phantom::OpenHaptics::resolution_of(model); };
+    CHECK(of("Touch") == 0.055);
+    CHECK(of("PHANTOM Omni") == 0.055);
+    CHECK(of("Touch X") == 0.023);
+    CHECK(of("PHANTOM Desktop") == 0.023);
+    CHECK(of("PHANTOM Premium 1.5") == 0.03);
+    CHECK(of("PHANTOM Premium 1.5 High Force") == 0.007);
+    CHECK(of("Something else") == 0);
+}
+
+TEST_CASE("phantom: a device that is opened while another runs is not opened", "[phantom]") {
+    auto& hd = fresh();
+    Phantom device;
+    hd.before_update = [&](int n) {
+        if (n == 10) CHECK_FALSE(Phantom{"second"}.is_open());
+    };
+    Asks asks;
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(asks.samples.size() == 100);
+    CHECK_FALSE(hd.second.open);
+    CHECK(hd.breaches == Names{});
+    CHECK(Phantom{"second"}.is_open());
 }
 
 TEST_CASE("phantom: a driver that stops calling back is lost", "[phantom]") {
@@ -304,6 +489,118 @@ TEST_CASE("phantom: no tick and no force while the device wants calibration", "[
     CHECK(hd.breaches == Names{});
 }
 
+/// The hand of the calibration tests: presses through the ground, 3.1 mm below the middle, to 7 mm below it.
+struct PressingHand {
+    double at = 5; ///< mm above the middle, by the hand's own account
+
+    void move(FakeHd& hd, int n, double shift) {
+        at += std::clamp((n > 1000 ? -7.0 : 5.0) - at, -0.05, 0.05);
+        hd.position[1] = 10 + at + shift;
+    }
+};
+
+TEST_CASE("phantom: a calibration while pressed takes the force back first, and gives it back by the ramp",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    hd.styles = HD_CALIBRATION_ENCODER_RESET | HD_CALIBRATION_AUTO;
+    const std::vector<std::int16_t> flat(256 * 256, 100);
+    const BilinearGrid<double, HeightView<std::int16_t>> grid{HeightView{flat.data(), 256, 256},
+                                                              {.spacing = {10.0, 10.0}}};
+    Phantom device;
+    const auto able = device.capabilities();
+    phantom::Scene scene{grid, phantom::frame_for(able, 2560, {1280, 1280, 150}),
+                         phantom::stiffness_for(able), phantom::limits_for(able)};
+    // Whether the device goes on wanting it until it is calibrated, or only in one update, as if by mistake.
+    const bool goes_on = GENERATE(true, false);
+    PressingHand hand;
+    double shift = 0;
+    std::vector<double> up;
+    std::vector<DeviceSample> samples;
+    hd.before_update = [&](int n) {
+        if (n > 0) up.push_back(hd.force[1]);
+        if (n == 2000) hd.calibration = HD_CALIBRATION_NEEDS_UPDATE;
+        if (n == 2001 && !goes_on) hd.calibration = HD_CALIBRATION_OK;
+        hand.move(hd, n, shift);
+        if (n == 2400) CHECK((device.report().withheld == phantom::Withheld::calibration) == goes_on);
+    };
+    hd.calibrated = [&](int) {
+        shift -= 3; // deeper
+        hd.calibration = HD_CALIBRATION_OK;
+    };
+    const auto until_4000 = [&](const DeviceSample& sample) -> DeviceCommand {
+        samples.push_back(sample);
+        DeviceCommand command = scene(sample);
+        command.go_on = hd.updates < 4000;
+        return command;
+    };
+    CHECK(device.run(until_4000) == DeviceEnd::stopped);
+    CHECK(hd.breaches == Names{}); // one of which: calibrated while there is a force
+    REQUIRE(up.size() == 3999);
+
+    const double slew = phantom::limits_for(able).max_slew; // N/ms
+    CHECK(slew == 0.7);
+    for (std::size_t n = 1; n < up.size(); ++n) {
+        CAPTURE(n, up[n - 1], up[n]);
+        if (up[n] - up[n - 1] > slew + 1e-12) CHECK(up[n] - up[n - 1] <= slew + 1e-12);
+        // Before the calibration it falls as slowly as it comes: 3.3 N in half a second, and a margin.
+        if (up[n - 1] - up[n] > 0.01) CHECK(up[n - 1] - up[n] <= 0.01);
+    }
+    CHECK(up[1999] == Approx(1.55).epsilon(0.01));
+    const auto calls = static_cast<std::size_t>(hd.updates) - samples.size(); // updates without a tick
+    if (goes_on) {
+        CHECK(hd.calibrations == 1);
+        CHECK(calls == 1); // that of the calibration
+        CHECK(up[2250] > 0.5);
+        CHECK(up[2600] == 0); // the old contact is forgotten, and the stylus is under the ground
+        CHECK(scene.counts().trips[static_cast<int>(GuardTrip::jump)] == 0);
+        CHECK(scene.counts().trips[static_cast<int>(GuardTrip::stale)] == 0);
+        CHECK(std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.force_refused; }) ==
+              1);
+    } else {
+        CHECK(hd.calibrations == 0);
+        CHECK(calls == 0);
+        CHECK(up[2100] == Approx(1.55).epsilon(0.01)); // hardly noticed
+        CHECK(up[2001] > 1.5);
+    }
+}
+
+TEST_CASE("phantom: before a calibration a tick that keeps its force has it taken back, and is told",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom device;
+    std::vector<double> up;
+    hd.before_update = [&](int n) {
+        if (n > 0) up.push_back(hd.force[1]);
+        if (n == 100) hd.calibration = HD_CALIBRATION_NEEDS_UPDATE;
+    };
+    hd.calibrated = [&](int) { hd.calibration = HD_CALIBRATION_OK; };
+    Asks asks{.newtons = {0, 0, 3}, .often = 1300};
+    CHECK(device.run(asks) == DeviceEnd::stopped);
+    CHECK(hd.breaches == Names{});
+    CHECK(hd.calibrations == 1);
+    CHECK(up[99] == 3);
+    for (std::size_t n = 100; n < 1099; ++n)
+        if (std::abs(up[n - 1] - up[n] - 0.003) > 1e-9) CHECK(up[n - 1] - up[n] == Approx(0.003));
+    CHECK(up[1101] == 0);
+    CHECK(up[1150] == 3);
+    // Told what the motors got, and when: also in the update without a tick.
+    CHECK_FALSE(asks.samples[0].has_sent);
+    for (std::size_t n = 1; n < 1000; ++n) {
+        if (asks.samples[n].sent.z != up[n - 1]) CHECK(asks.samples[n].sent.z == up[n - 1]);
+        if (asks.samples[n].sent_at != asks.samples[n - 1].time)
+            CHECK(asks.samples[n].sent_at == asks.samples[n - 1].time);
+        const bool release = n >= 100;
+        if (asks.samples[n].release != release) CHECK(asks.samples[n].release == release);
+    }
+    const auto back =
+        std::find_if(asks.samples.begin(), asks.samples.end(), [](const auto& s) { return s.force_refused; });
+    REQUIRE(back != asks.samples.end());
+    CHECK_FALSE(back->release);
+    CHECK(back->sent == glm::dvec3{0});
+    CHECK(back->time - back->sent_at == Approx(0.001));
+    CHECK(back->time - (back - 1)->time == Approx(0.002)); // one update without a tick lies between
+}
+
 TEST_CASE("phantom: where calibration needs a person it waits, and can be stopped", "[phantom]") {
     auto& hd = fresh();
     const bool manual = GENERATE(true, false);
@@ -367,4 +664,106 @@ TEST_CASE("phantom: a terrain is felt through tracker, workspace and guard", "[p
     CHECK(scene.show(shown));
     CHECK(shown.contact == ContactStatus::contact);
     CHECK(shown.stylus.z == Approx(100 - 0.004 * 16000));
+}
+
+namespace {
+
+/// Takes a hand through a scene over 21 × 21 samples of level ground at 100 m, 10 m apart, at 1000 m a metre, and notes
+/// what was felt and told. Positions of the hand in mm from the middle of the map at the height of the ground.
+struct Walk {
+    std::vector<float> heights = std::vector<float>(21 * 21, 100.0f);
+    BilinearGrid<double, HeightView<float>> grid{HeightView{heights.data(), 21, 21}, {.spacing = {10, 10}}};
+    WorkspaceFrame frame{.scale = 1000, .offset = {100, 100, 100}};
+    double time = 0;
+    glm::dvec3 at{0, 0, 3};
+    phantom::Shown shown{};
+    double felt = 0, steepest_rise = 0;
+
+    /// At 0.1 m/s.
+    template <class Scene>
+    void to(Scene& scene, const glm::dvec3& mm) {
+        while (at != mm) {
+            const glm::dvec3 way = mm - at;
+            at = glm::length(way) <= 0.1 ? mm : at + way * (0.1 / glm::length(way));
+            time += 0.001;
+            const auto command = scene({.time = time, .position = at / 1000.0});
+            steepest_rise = std::max(steepest_rise, glm::length(command.newtons) - felt);
+            felt = glm::length(command.newtons);
+        }
+        (void)scene.show(shown);
+    }
+};
+
+} // namespace
+
+TEST_CASE("phantom: over the rim of a map without more, and under it: nothing is felt, and it is told",
+          "[phantom][regression]") {
+    using phantom::Place;
+    Walk walk;
+    phantom::Scene scene{walk.grid, walk.frame, 400, {}};
+    walk.to(scene, {0, 0, 3});
+    walk.to(scene, {60, 0, 3}); // long enough for the ramp
+    walk.to(scene, {90, 0, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    CHECK(walk.felt == Approx(1.2));
+    walk.to(scene, {101, 0, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    walk.to(scene, {105, 0, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    CHECK(walk.felt == 0);
+    walk.to(scene, {90, 0, -3});
+    CHECK(walk.shown.place == Place::below_ground);
+    CHECK(walk.shown.trip == GuardTrip::buried);
+    CHECK(walk.felt == 0);
+    walk.to(scene, {90, 0, 1});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {40, 0, 1}); // long enough for the ramp
+    walk.to(scene, {40, 0, -3});
+    CHECK(walk.felt == Approx(1.2)); // felt again
+    CHECK(walk.steepest_rise < 0.1);
+}
+
+TEST_CASE("phantom: over the rim of a map that goes on level the ground is felt, and the edge is told",
+          "[phantom][regression]") {
+    using phantom::Place;
+    Walk walk;
+    const LevelBeyond ground{walk.grid};
+    phantom::Scene scene{ground, walk.frame, 400, {}, phantom::Bounds{.map = walk.grid.cells()}};
+    walk.to(scene, {60, 0, 3});
+    walk.to(scene, {60, 0, -3});
+    walk.to(scene, {99, 0, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {120, 0, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    CHECK(walk.felt == Approx(1.2));
+    walk.to(scene, {0, -101, -3});
+    CHECK(walk.shown.place == Place::beyond_map);
+    walk.to(scene, {0, -99, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    CHECK(walk.felt == Approx(1.2));
+}
+
+TEST_CASE("phantom: a hole in the map, and the end of the device's reach, are told",
+          "[phantom][regression]") {
+    using phantom::Place;
+    Walk walk;
+    walk.heights[10 * 21 + 12] = std::nanf(""); // at 20 m, 0 m from the middle
+    phantom::Scene scene{walk.grid, walk.frame, 400, {}, phantom::Bounds{.workspace = {0.16, 0.07, 0.12}}};
+    walk.to(scene, {18, 0, -3});
+    CHECK(walk.shown.place == Place::over_hole);
+    CHECK(walk.felt == 0);
+    walk.to(scene, {18, 0, 3});
+    walk.to(scene, {40, 0, 3});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {40, 0, -3});
+    walk.to(scene, {74, 0, -3});
+    CHECK(walk.shown.place == Place::on_map);
+    walk.to(scene, {76, 0, -3});
+    CHECK(walk.shown.place == Place::device_edge);
+    CHECK(walk.felt == Approx(1.2)); // the terrain is felt as elsewhere
+    walk.to(scene, {40, -31, 3});
+    CHECK(walk.shown.place == Place::device_edge);
+    for (const Place place : {Place::below_ground, Place::beyond_map, Place::over_hole, Place::device_edge})
+        CHECK(std::string{hint(place)} != "");
+    CHECK(std::string{hint(Place::on_map)} == "");
 }

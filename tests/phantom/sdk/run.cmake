@@ -1,5 +1,6 @@
 # Run by CTest: installs the fake SDK below WORK, finds it by the environment, builds phantom_touch against it and runs it
-# for a second. Before that, without an SDK, sees that nothing is built and that this is said.
+# for a second; then again with signals while there is force, and with a connection that breaks (see hand.cpp). Before
+# that, without an SDK, sees that nothing is built and that this is said.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -37,4 +38,25 @@ file(GLOB_RECURSE program ${WORK}/user/phantom/phantom_touch ${WORK}/user/phanto
 run(${program} 1)
 if(NOT output MATCHES "stopped; ([0-9]+) updates" OR CMAKE_MATCH_1 LESS 100)
     message(FATAL_ERROR "phantom_touch has not run for a second")
+endif()
+if(output MATCHES "breach: ")
+    message(FATAL_ERROR "a call out of order")
+endif()
+
+foreach(event IN ITEMS INT TERM)
+    set(ENV{HFH_TEST_EVENT} ${event})
+    run(${program} 20)
+    if(NOT output MATCHES "signal at ([0-9.]+) N" OR CMAKE_MATCH_1 LESS 0.5)
+        message(FATAL_ERROR "no force when SIG${event} came, so this test says nothing")
+    endif()
+    if(NOT output MATCHES "stopped; ([0-9]+) updates" OR CMAKE_MATCH_1 GREATER 602
+       OR NOT output MATCHES "left at 0.00 N" OR output MATCHES "breach: ")
+        message(FATAL_ERROR "SIG${event} does not end the run in order within two updates")
+    endif()
+endforeach()
+
+set(ENV{HFH_TEST_EVENT} LOSE)
+run(${program} 3)
+if(NOT output MATCHES "the connection broke; 602 updates.*stopped; ([0-9]+) updates" OR CMAKE_MATCH_1 LESS 100)
+    message(FATAL_ERROR "a connection that broke is not opened anew")
 endif()

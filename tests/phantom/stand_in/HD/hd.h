@@ -46,7 +46,8 @@ enum {
     HD_ILLEGAL_BEGIN,
     HD_ILLEGAL_END,
     HD_FRAME_ERROR,
-    HD_SCHEDULER_FULL
+    HD_SCHEDULER_FULL,
+    HD_INVALID_ENUM
 };
 enum { HD_CALLBACK_DONE = 70, HD_CALLBACK_CONTINUE = 71 };
 enum { HD_FORCE_OUTPUT = 101, HD_FORCE_RAMPING, HD_MAX_FORCE_CLAMPING };
@@ -59,7 +60,13 @@ enum {
     HD_NOMINAL_MAX_FORCE,
     HD_UPDATE_RATE,
     HD_USABLE_WORKSPACE_DIMENSIONS,
-    HD_CALIBRATION_STYLE
+    HD_CALIBRATION_STYLE,
+    HD_NOMINAL_MAX_CONTINUOUS_FORCE,
+    HD_SOFTWARE_FORCE_IMPULSE_LIMIT,
+    HD_MOTOR_TEMPERATURE,
+    HD_CURRENT_INKWELL_SWITCH,
+    HD_CURRENT_SAFETY_SWITCH,
+    HD_DEVICE_MODEL_TYPE
 };
 enum { HD_CALIBRATION_OK = 301, HD_CALIBRATION_NEEDS_UPDATE, HD_CALIBRATION_NEEDS_MANUAL_INPUT };
 enum { HD_CALIBRATION_ENCODER_RESET = 16, HD_CALIBRATION_AUTO = 32, HD_CALIBRATION_INKWELL = 64 };
@@ -67,9 +74,12 @@ enum { HD_CALIBRATION_ENCODER_RESET = 16, HD_CALIBRATION_AUTO = 32, HD_CALIBRATI
 HDErrorInfo hdGetError(void);
 HHD hdInitDevice(HDstring name);
 void hdDisableDevice(HHD device);
+void hdMakeCurrentDevice(HHD device);
 void hdEnable(HDenum capability);
 void hdDisable(HDenum capability);
 void hdGetDoublev(HDenum name, HDdouble* values);
+void hdGetBooleanv(HDenum name, HDboolean* values);
+HDstring hdGetString(HDenum name);
 void hdGetIntegerv(HDenum name, HDint* values);
 void hdSetDoublev(HDenum name, const HDdouble* values);
 void hdBeginFrame(HHD device);
