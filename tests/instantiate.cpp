@@ -12,9 +12,11 @@
 #include <hfh/hfh.hpp>
 #include <hfh/latest_value.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/passivity_observer.hpp>
 #include <hfh/raised_field.hpp>
 #include <hfh/simulated_device.hpp>
 #include <hfh/steady_position.hpp>
+#include <hfh/virtual_coupling.hpp>
 #include <hfh/workspace.hpp>
 
 #include <cstdint>
@@ -98,13 +100,18 @@ template class SimulatedDevice<Still>;
 
 namespace {
 
-/// The simulated device's steps kept steady, a spring, and through the tank back to it.
+/// The simulated device's steps kept steady, a spring and its damper, and through the tank back to it.
 [[maybe_unused]] bool use_device() {
     SimulatedDevice device{simulated_touch, {}, Still{}, 0.01};
     EnergyTank tank;
     SteadyPosition steady{simulated_touch.capabilities.resolution};
+    VirtualCoupling coupling{{.stiffness = 500}};
+    PassivityObserver observer{simulated_touch.capabilities.resolution};
     return device.run([&](const DeviceSample& sample) -> DeviceCommand {
-        return {.newtons = tank(sample.position, -500.0 * steady(sample.position)).newtons};
+        const auto coupled = coupling(sample.position, -500.0 * steady(sample.position));
+        const auto sent = tank(sample.position, coupled.newtons);
+        observer.update(sample.position, sent.newtons);
+        return {.newtons = sent.newtons, .go_on = observer.owed() < 1};
     }) == DeviceEnd::stopped;
 }
 

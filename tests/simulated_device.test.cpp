@@ -161,7 +161,7 @@ TEST_CASE("SimulatedDevice: the same run gives the same bits, and allocates noth
         const auto before = allocations();
         const auto end = device.run([&](const DeviceSample& sample) -> DeviceCommand {
             seen.push_back(sample.position.z);
-            return {.newtons = {0, 0, sample.position.z < 0 ? -3500 * sample.position.z : 0}};
+            return {.newtons = {0, 0, sample.position.z < 0 ? -800 * sample.position.z : 0}};
         });
         CHECK(allocations() == before);
         CHECK(end == DeviceEnd::stopped);

@@ -35,13 +35,16 @@ inline constexpr DeviceModel simulated_touch{.mass = 0.045,
                                                               .resolution = 0.055e-3,
                                                               .workspace = {0.160, 0.070, 0.120}}};
 
-/// The Phantom Premium 1.5. All but the viscous friction, which is assumed, are the maker's nominal figures; no free
-/// source was at hand to check them against.
+/// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (m_maxLinearStiffness of its
+/// Premium 1.5, 800 N/m); Choi and Tan (Effect of update rate on perceived instability of virtual haptic texture, 2004)
+/// found 325 to 904 N/m to feel clean on a Phantom 1.0 at 250 Hz to 40 kHz. The maker's 3.5 N/mm is the stiffness of the
+/// mechanism, by which its linkage gives, and no gain for a loop. All else but the viscous
+/// friction, which is assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
 inline constexpr DeviceModel simulated_premium{.mass = 0.075,
                                                .viscous = 0.005,
                                                .dry = 0.04,
                                                .capabilities = {.max_force = 8.5,
-                                                                .max_stiffness = 3500,
+                                                                .max_stiffness = 800,
                                                                 .rate = 1000,
                                                                 .resolution = 0.03e-3,
                                                                 .workspace = {0.381, 0.191, 0.267}}};

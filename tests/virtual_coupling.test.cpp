@@ -1,0 +1,145 @@
+#include "catch.hpp"
+#include "support/allocations.hpp"
+#include "support/presses.hpp"
+#include "support/random.hpp"
+
+#include <hfh/virtual_coupling.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <limits>
+
+using namespace hfh;
+using namespace hfh::test;
+
+namespace {
+
+constexpr double stiffness = 500; // N/m
+
+struct Free {
+    glm::dvec3 operator()(const glm::dvec3&, const glm::dvec3& newtons) const { return newtons; }
+};
+
+/// The force of a coupling alone.
+struct Coupled {
+    VirtualCoupling coupling{{.stiffness = stiffness}};
+    glm::dvec3 operator()(const glm::dvec3& position, const glm::dvec3& newtons) {
+        return coupling(position, newtons).newtons;
+    }
+};
+
+} // namespace
+
+TEST_CASE("VirtualCoupling: the ground is felt as the spring has it, and gives no energy away",
+          "[virtual_coupling][law]") {
+    for (const HandGrip grip : {HandGrip{100, 0.5}, HandGrip{300, 4}, HandGrip{1000, 10}}) {
+        for (const double speed : {0.005, 0.02, 0.1, 0.2, 0.5}) {
+            CAPTURE(grip.stiffness, speed);
+            const Presses hand{.depth = 0.01, .speed = speed};
+            const auto plain = press_wall(simulated_touch, grip, hand, 5, stiffness, Free{});
+            const auto coupled = press_wall(simulated_touch, grip, hand, 5, stiffness, Coupled{});
+            CHECK(coupled.empty <=
+                  5); // the last update of a way out, where the damper is as strong as the spring
+            CHECK(coupled.lowest >= -1e-4);
+            // A light grip swings under the plain spring; where it comes to rest, it does so at the same depth.
+            if (grip.stiffness >= 300 || speed <= 0.1)
+                CHECK(coupled.depth == Approx(plain.depth).epsilon(0.1));
+            // K·v·T is the spring's own step: 0.05 N at 0.1 m/s.
+            if (speed <= 0.1) CHECK(coupled.rise <= 0.11);
+            if (speed <= 0.2) CHECK(coupled.beyond <= 0.1);
+            if (speed >= 0.1) CHECK(plain.lowest < -1e-4);
+        }
+    }
+}
+
+TEST_CASE("VirtualCoupling: takes back in each update what the update before gave away",
+          "[virtual_coupling][law]") {
+    // A rigid hand at one speed: the spring gives K·T·v·D, the damper takes 1.5 times that.
+    for (const int delay : {0, 1, 2}) {
+        const double step = 1e-4, depth = 5e-3;
+        VirtualCoupling coupling{{.stiffness = stiffness, .lag = 0.5 + delay}};
+        double plain = 0, coupled = 0;
+        double plain_waits[3]{}, coupled_waits[3]{}; // forces on their way to the motors
+        const int updates = 2 * static_cast<int>(depth / step + 3);
+        double before = 3 * step;
+        for (int k = 0; k <= updates + 4; ++k) {
+            const double z = -depth + std::abs(k - updates / 2) * step;
+            plain -= plain_waits[delay] * (z - before);
+            coupled -= coupled_waits[delay] * (z - before);
+            before = z;
+            for (int late = 2; late > 0; --late) {
+                plain_waits[late] = plain_waits[late - 1];
+                coupled_waits[late] = coupled_waits[late - 1];
+            }
+            plain_waits[0] = z < 0 ? -stiffness * z : 0;
+            coupled_waits[0] = coupling({0, 0, z}, {0, 0, plain_waits[0]}).newtons.z;
+        }
+        const double given = 2 * (0.5 + delay) * stiffness * step * depth;
+        CHECK(plain == Approx(-given).epsilon(0.05));
+        CHECK(coupled == Approx(0.5 * given).epsilon(0.3));
+    }
+}
+
+TEST_CASE("VirtualCoupling: never reverses a force, never more than doubles it, and tells what it held back",
+          "[virtual_coupling][law]") {
+    Random random{91};
+    VirtualCoupling coupling{{.stiffness = 800, .lag = 1.5}};
+    glm::dvec3 at{0.0};
+    for (int k = 0; k < 20000; ++k) {
+        const glm::dvec3 step{random.between(-1e-3, 1e-3), random.between(-1e-3, 1e-3),
+                              random.between(-1e-3, 1e-3)};
+        const glm::dvec3 wanted{random.between(-2, 2), random.between(-2, 2), random.between(-2, 2)};
+        at += step;
+        const auto got = coupling(at, wanted);
+        const double length = glm::length(wanted), along = glm::dot(got.newtons, wanted) / length;
+        CHECK(glm::length(glm::cross(got.newtons, wanted)) <= 1e-14 * length * length);
+        CHECK(along >= -1e-15);
+        CHECK(along <= 2 * length * (1 + 1e-15));
+        CHECK(got.held_back == Approx(length - along).margin(1e-14));
+        if (k == 0) continue;
+        const double out = glm::dot(step, wanted) / length;
+        CHECK(got.held_back == Approx(std::clamp(2.25 * 800 * out, -length, length)).margin(1e-9));
+        CHECK((got.held_back > 0) == (out > 0));
+    }
+}
+
+TEST_CASE("VirtualCoupling: at rest, along the surface and in the air it changes nothing, to the bit",
+          "[virtual_coupling]") {
+    VirtualCoupling coupling{{.stiffness = stiffness}};
+    const glm::dvec3 wanted{0, 0, 1.3};
+    CHECK(coupling({0, 0, -1e-3}, wanted).newtons == wanted); // the first position
+    CHECK(coupling({0, 0, -1e-3}, wanted).newtons == wanted);
+    CHECK(coupling({1e-3, 0, -1e-3}, wanted).newtons == wanted);
+    CHECK(coupling({1e-3, 2e-3, -1e-3}, wanted).held_back == 0);
+    CHECK(coupling({1e-3, 0, 4e-3}, glm::dvec3{0.0}).newtons == glm::dvec3{0.0});
+    VirtualCoupling none{{.stiffness = 0}};
+    (void)none({0, 0, 0}, wanted);
+    CHECK(none({0, 0, 1}, wanted).newtons == wanted);
+}
+
+TEST_CASE("VirtualCoupling: passes on what is no number, starts anew behind it, and allocates nothing",
+          "[virtual_coupling]") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const glm::dvec3 wanted{0, 0, 1};
+    const auto before = allocations();
+    VirtualCoupling coupling{{.stiffness = stiffness}};
+    (void)coupling({0, 0, 0}, wanted);
+    const auto lost = coupling({0, 0, nan}, wanted);
+    const auto after_lost = coupling({0, 0, 1e-3}, wanted);
+    const auto bad = coupling({0, 0, 0}, {0, nan, 1});
+    const auto next = coupling({0, 0, -1e-4}, wanted);
+    coupling.reset();
+    const auto anew = coupling({0, 0, 5}, wanted);
+    VirtualCoupling odd{{.stiffness = nan}};
+    (void)odd({0, 0, 0}, wanted);
+    const auto passed = odd({0, 0, 1e-3}, wanted);
+    const auto after = allocations();
+    CHECK(after == before);
+    CHECK(lost.newtons == wanted);
+    CHECK(after_lost.newtons == wanted);
+    CHECK(std::isnan(bad.newtons.y));
+    CHECK(next.held_back == Approx(-0.75 * stiffness * 1e-4));
+    CHECK(anew.newtons == wanted);
+    CHECK(passed.newtons == wanted);
+}
