@@ -289,7 +289,7 @@ TEMPLATE_TEST_CASE("edits: ground that is dug, raised or swapped in one update c
              std::ranges::copy(hills<T>(41, 41, 0.01, 9).heights, ground.heights.begin());
          }}};
     for (const auto& [name, edit] : edits) {
-        const GuardLimits limits{.max_slew = 0.07};
+        const GuardLimits limits{.max_slew = 0.07, .max_sudden = 4}; // the slew alone
         const double pace = 70; // N/s
         EditedTouch<T> touch{
             plane<T>(41, 41, 0, five_millimetres), {T(20.5 * 0.005), T(20.25 * 0.005), T(0.001)}, limits};

@@ -86,7 +86,7 @@ TEST_CASE("ForceGuard: the force comes up by the ramp at the start and is then p
 }
 
 TEST_CASE("ForceGuard: clamps by length, keeps the direction, and says so", "[force_guard]") {
-    auto bench = warm();
+    auto bench = warm({.max_sudden = 4});
     bench.asked = {30, 0, 40};
     const auto result = bench.step(100);
     CHECK(result.clamped);
@@ -130,7 +130,7 @@ TEST_CASE("ForceGuard: a force that is no number is zero at once, though the sle
 
 TEST_CASE("ForceGuard: a force below 2^64 N is a number, and shortened, one of 2^64 N is none",
           "[force_guard]") {
-    auto bench = warm();
+    auto bench = warm({.max_sudden = 4});
     bench.asked.z = std::nextafter(0x1p64, 0.0);
     const auto result = bench.step(10);
     CHECK(result.trip == GuardTrip::none);
@@ -157,22 +157,54 @@ TEST_CASE("ForceGuard: a sample that is no number is zero at once and not rememb
     }
 }
 
-TEST_CASE("ForceGuard: a gap in time, or time that falls, is stale", "[force_guard]") {
-    const double gap = GENERATE(0.0101, 1.0, -1e-6, -50.0);
-    auto bench = warm();
+TEST_CASE("ForceGuard: a gap in time, or time that falls far, is stale", "[force_guard]") {
+    const double gap = GENERATE(0.0101, 1.0, -0.0101, -50.0);
+    auto bench = warm({.max_gap = 0.01});
     bench.sample.time += gap - 0.001;
     CHECK(bench.step().trip == GuardTrip::stale);
     check_comes_back_by_the_ramp(bench);
     CHECK(bench.trips(GuardTrip::stale) == 1);
 
-    auto spared = warm();
+    auto spared = warm({.max_gap = 0.01});
     spared.sample.time += 0.0085;
     CHECK(spared.step().trip == GuardTrip::none);
+    CHECK(warm().step().trip == GuardTrip::none);
+    auto long_ago = warm();
+    long_ago.sample.time += 0.0195;
+    CHECK(long_ago.step().trip == GuardTrip::stale); // 20.5 ms
+}
 
-    ForceGuard dyadic{{.max_gap = 0.25}}; // to the bit
+TEST_CASE("ForceGuard: a gap is judged to the rounding of the stamps", "[force_guard]") {
+    ForceGuard dyadic{{.max_gap = 0.25}};
     CHECK(dyadic.update({.time = 1}, {}).trip == GuardTrip::none);
     CHECK(dyadic.update({.time = 1.25}, {}).trip == GuardTrip::none);
-    CHECK(dyadic.update({.time = std::nextafter(1.5, 2.0)}, {}).trip == GuardTrip::stale);
+    CHECK(dyadic.update({.time = std::nextafter(1.5, 2.0)}, {}).trip == GuardTrip::none);
+    CHECK(dyadic.update({.time = 1.75 + 5 * 0x1p-52}, {}).trip == GuardTrip::stale);
+    // A true 100 Hz device, its stamps multiplied or added up.
+    ForceGuard product{{.max_gap = 0.01}}, sum{{.max_gap = 0.01}};
+    double added = 0;
+    for (int n = 0; n < 2000; ++n, added += 0.01) {
+        (void)product.update({.time = n * 0.01}, {});
+        (void)sum.update({.time = added}, {});
+    }
+    CHECK(product.counts().trips[static_cast<int>(GuardTrip::stale)] == 0);
+    CHECK(sum.counts().trips[static_cast<int>(GuardTrip::stale)] == 0);
+}
+
+TEST_CASE("ForceGuard: a stamp out of order is no trip, and gives no time for a rise", "[force_guard]") {
+    const double early = GENERATE(1e-7, 1e-6, 0.0007, 0.015);
+    auto bench = warm();
+    auto late = bench.sample;
+    late.time -= early;
+    for (const double asked : {2.0, 2.2, 1.9}) {
+        const auto result = bench.guard.update(late, {0, 0, asked});
+        CHECK(result.trip == GuardTrip::none);
+        CHECK(result.newtons.z == 2);
+    }
+    CHECK(bench.step().newtons.z == Approx(2));
+    // The clock is the latest stamp's: what comes after it is as late as it is.
+    bench.sample.time += 0.0185;
+    CHECK(bench.step().trip == GuardTrip::none);
 }
 
 TEST_CASE("ForceGuard: while time stands still the force does too, for max_repeats updates",
@@ -250,11 +282,11 @@ TEST_CASE("ForceGuard: buried gives zero until it is over, then the ramp", "[for
 
 TEST_CASE("ForceGuard: what the device refused is let go of", "[force_guard]") {
     auto bench = warm();
-    bench.sample.let_go = true;
+    bench.sample.force_refused = true;
     const auto result = bench.step();
     CHECK(result.trip == GuardTrip::device_fault);
     CHECK(is_zero(result.newtons));
-    bench.sample.let_go = false;
+    bench.sample.force_refused = false;
     check_comes_back_by_the_ramp(bench);
     CHECK(bench.trips(GuardTrip::device_fault) == 1);
 }
@@ -297,7 +329,8 @@ TEST_CASE("ForceGuard: limits that are no numbers to go by give no force, ever",
     for (const double bad : {make_nan(), make_infinity(), -1.0, make_largest()}) {
         for (double GuardLimits::*limit :
              {&GuardLimits::max_force, &GuardLimits::max_slew, &GuardLimits::ramp, &GuardLimits::max_gap,
-              &GuardLimits::max_still, &GuardLimits::max_speed, &GuardLimits::max_step}) {
+              &GuardLimits::max_still, &GuardLimits::max_speed, &GuardLimits::max_step,
+              &GuardLimits::stiffness, &GuardLimits::max_sudden}) {
             GuardLimits limits;
             limits.*limit = bad;
             Bench bench{limits};

@@ -18,7 +18,7 @@ set(order
     device
     damping force_shading friction_cone friction level_beyond raised_field
     height_bounds
-    workspace force_guard latest_value
+    workspace guard_limits sample_check force_guard latest_value
     moving_mass driven_axis end_stops encoders simulated_device
     virtual_coupling passivity_observer energy_tank steady_position)
 

@@ -75,6 +75,23 @@ TEST_CASE("SimulatedDevice: a force comes late by the delay, no more and no less
     }
 }
 
+TEST_CASE("SimulatedDevice: tells the force that it took, shortened, when it took it, whatever the delay",
+          "[simulated_device]") {
+    for (int delay = 0; delay <= 8; ++delay) {
+        DeviceModel model = plain();
+        model.capabilities.delay = delay;
+        model.capabilities.max_force = 10;
+        SimulatedDevice device{model, no_hand, Still{}, 1};
+        CHECK_FALSE(device.sample().has_sent);
+        for (int k = 0; k < 30; ++k) {
+            const auto sample = device.step({k + 1.0, 0, 0});
+            CHECK(sample.has_sent);
+            CHECK(sample.sent == glm::dvec3{std::min(10.0, k + 1.0), 0, 0});
+            CHECK(sample.sent_at == k / 1000.0);
+        }
+    }
+}
+
 TEST_CASE("SimulatedDevice: encoders round, motors shorten", "[simulated_device]") {
     DeviceModel model = plain();
     model.capabilities.resolution = 1e-4;

@@ -98,7 +98,7 @@ struct Report {
 /// Opens the device on construction, closes it on destruction. Sequence and meaning are those of the HDAPI as its
 /// public reference tells them.
 ///
-/// An error of force lets go: that update's force is the last, the next sample says `let_go`, and forces stay at zero
+/// An error of force lets go: that update's force is the last, the next sample says `force_refused`, and forces stay at zero
 /// while such errors come. Any other error ends the run. While the device wants calibration the force is zero and the
 /// tick is not called, because the position is not to be trusted; where the device can calibrate by itself or in its
 /// inkwell, it is asked to; `report().calibration` tells what is waited for.
@@ -247,7 +247,7 @@ private:
                                        .velocity = z_up(velocity) / 1000.0,
                                        .has_velocity = true,
                                        .buttons = api_.buttons(),
-                                       .let_go = refused_ > 0};
+                                       .force_refused = refused_ > 0};
         hfh::DeviceCommand command;
         if (report_.calibration == Calibration::ok) command = tick(sample);
         if (stop_.load(std::memory_order_relaxed)) command.go_on = false;

@@ -35,7 +35,7 @@ public:
           force_{.stiffness = workspace_.terrain_stiffness(stiffness)} {}
 
     hfh::DeviceCommand operator()(const hfh::DeviceSample& sample) noexcept {
-        if (sample.let_go) tracker_.reset();
+        if (sample.force_refused) tracker_.reset();
         const bool clutch = (sample.buttons & 1u) != 0;
         const auto contact = tracker_.update(workspace_.update(sample.position, clutch));
         const auto asked = clutch ? glm::dvec3{0.0} : workspace_.force_at_hand(force_(contact).newtons);

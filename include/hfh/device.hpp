@@ -17,7 +17,14 @@ struct DeviceSample {
     glm::dvec3 velocity{0.0};  ///< metres per second, if `has_velocity`
     bool has_velocity = false; ///< the device measures it
     unsigned buttons = 0;      ///< bit k: button k is down
-    bool let_go = false;       ///< the device refused the last force: no force now, and forget the contact
+    /// The device refused the last force: no force now, and forget the contact.
+    bool force_refused = false;
+    /// The device will soon take no force, as for a calibration: the force has to go to zero, and come back when this
+    /// is over. The driver calls the tick until the command is zero.
+    bool release = false;
+    bool has_sent = false; ///< the driver tells what it last gave to the motors:
+    glm::dvec3 sent{0.0};  ///< newtons, after all that changed it on the way; zero if none was given
+    double sent_at = 0;    ///< seconds: the time of that update, be it one with or without a tick
 };
 
 /// What to do until the next sample.
@@ -34,6 +41,8 @@ struct DeviceCapabilities {
     double resolution = 0;     ///< metres, of one step of the position
     glm::dvec3 workspace{0.0}; ///< metres, extent along x, y and z, centred on 0
     int delay = 0; ///< updates from a sample to the first one that its force has acted on, less one
+    /// N/ms: the steepest rise of the force that the device lets pass (HDAPI: HD_SOFTWARE_FORCE_IMPULSE_LIMIT).
+    double max_slew = 0;
 };
 
 /// How a run of a device ended.

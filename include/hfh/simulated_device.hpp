@@ -129,9 +129,17 @@ public:
     [[nodiscard]] double period() const noexcept { return 1 / capabilities_.rate; }
     [[nodiscard]] double time() const noexcept { return static_cast<double>(updates_) / capabilities_.rate; }
 
-    /// What the device tells: the position as the encoders have it.
+    /// What the device tells: the position as the encoders have it, and the force that it took last, shortened to the
+    /// maximum but not yet delayed.
     [[nodiscard]] DeviceSample sample() const noexcept {
-        return {.time = time(), .position = encoders_(position())};
+        DeviceSample told{.time = time(), .position = encoders_(position())};
+        if (updates_ > 0) {
+            const auto delay = static_cast<unsigned long long>(capabilities_.delay);
+            told.has_sent = true;
+            told.sent = delay > 0 ? waiting_[(updates_ - 1) % delay] : held_;
+            told.sent_at = static_cast<double>(updates_ - 1) / capabilities_.rate;
+        }
+        return told;
     }
     /// What it does not tell: where it is, how fast, where the hand wants it, and the force it was last told to hold.
     [[nodiscard]] glm::dvec3 position() const noexcept { return {state_[0].x, state_[1].x, state_[2].x}; }

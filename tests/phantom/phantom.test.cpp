@@ -168,10 +168,10 @@ TEST_CASE("phantom: a force error lets go of the contact, and the run goes on", 
     CHECK(device.run(asks) == DeviceEnd::stopped);
     REQUIRE(asks.samples.size() == 100);
     for (std::size_t n = 0; n < 100; ++n) {
-        const bool let_go = n > 50 && n <= 53;
+        const bool force_refused = n > 50 && n <= 53;
         CAPTURE(n, code);
-        CHECK(asks.samples[n].let_go == let_go);
-        if (n < 99) CHECK(zero[n + 1] == let_go);
+        CHECK(asks.samples[n].force_refused == force_refused);
+        if (n < 99) CHECK(zero[n + 1] == force_refused);
     }
     const auto report = device.report();
     CHECK(report.force_errors == 3);

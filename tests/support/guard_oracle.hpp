@@ -5,12 +5,14 @@
 
 #include <hfh/force_guard.hpp>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <vector>
 
 // What a guard may do, judged from outside from all that went in and came out, and inputs that try it. Shares nothing
-// with the guard but its types: causes are worked out from the whole history each time, and whether a number is one from
-// its bits, so that the judge holds under -ffast-math as well.
+// with the guard but its types: everything is worked out in long double from histories, and whether a number is one from its
+// bits, so that the judge holds under -ffast-math as well.
 
 namespace hfh::test {
 
@@ -53,12 +55,17 @@ struct GuardUpdate {
     GuardedForce result;
 };
 
-/// The first rule that an update breaks, or nullptr. `past` is all before it, oldest first.
+/// The first rule that an update breaks, or nullptr. Keeps in long double what the rules are about: the history of good
+/// samples since the start or the last release, and of forces.
 class GuardJudge {
 public:
     explicit GuardJudge(const GuardLimits& limits) : limits_{limits} {}
 
     [[nodiscard]] const char* operator()(const GuardUpdate& update) {
+        const DeviceSample& now = update.sample;
+        const bool good = is_number(now.time) && is_number(now.position);
+        const long double before = latest_;
+        if (good && now.has_sent) told(now);
         const unsigned causes = find_causes(update);
         if (update.rearmed) latched_ = false;
         if (causes != 0 && limits_.latch) latched_ = true;
@@ -70,45 +77,69 @@ public:
         for (int k = 1; k < guard_trip_count && gravest == GuardTrip::none; ++k)
             if ((causes >> k & 1u) != 0) gravest = static_cast<GuardTrip>(k);
 
-        const char* broken = judge(update, gravest);
-        const bool good = is_number(update.sample.time) && is_number(update.sample.position);
-        if (good) good_.push_back(update.sample);
+        const char* broken = judge(update, gravest, good_.size() > 1 ? before : latest_);
         sent_ = update.result.newtons;
+        const bool released = now.release && distance(sent_, glm::dvec3{0.0}) == 0; // -0 is zero as well
+        if (update.result.released != released) broken = "says if it is released";
+        if (released) {
+            good_.clear();
+            intervals_.clear();
+            repeats_ = 0;
+            start_ramp();
+        } else if (good) {
+            sent_at_ = latest_;
+        }
         return broken;
     }
 
     [[nodiscard]] unsigned trips(GuardTrip trip) const { return trips_[static_cast<int>(trip)]; }
 
 private:
-    const char* judge(const GuardUpdate& update, GuardTrip gravest) {
+    /// `before`: the latest time before this update.
+    const char* judge(const GuardUpdate& update, GuardTrip gravest, long double before) {
         const glm::dvec3& sent = update.result.newtons;
         if (!is_number(sent)) return "the force is a number";
         if (update.result.trip != gravest) return "the trip is the gravest cause that stands";
         if (update.result.latched != (latched_ && gravest == GuardTrip::none)) return "says if it is latched";
         if (gravest != GuardTrip::none || latched_) {
             if (!is_zero(sent)) return "a trip gives zero in the same update";
-            ramp_time_ = 0;
+            start_ramp();
             return nullptr;
         }
         const long double length = distance(sent, glm::dvec3{0.0}), most = wide(limits_.max_force);
         if (length > most * (1 + 1e-12L)) return "never longer than max_force";
 
-        long double step = 0;
-        if (!good_.empty() && update.sample.time > good_.back().time)
-            step = wide(update.sample.time) - wide(good_.back().time);
-        const long double allowed = 1000 * wide(limits_.max_slew) * step;
+        // The motors have had the last force since it was sent, or since the update before if that is later.
+        const long double passed = latest_ > before ? latest_ - before : 0.0L;
+        const long double since = sent_at_ > before ? sent_at_ : before;
+        const long double held = latest_ > since ? latest_ - since : 0.0L;
+        const long double allowed = 1000 * wide(limits_.max_slew) * held;
         const long double changed = distance(sent, sent_);
         if (changed > allowed * (1 + 1e-9L) + 1e-12L * most) return "no faster than max_slew";
 
-        ramp_time_ += step;
-        const long double ramp = wide(limits_.ramp);
-        const long double gain = ramp_time_ < ramp ? ramp_time_ / ramp : 1.0L;
-        if (length > gain * most * (1 + 1e-9L) + 1e-12L) return "below the ramp";
+        const long double ramp = wide(limits_.ramp), part = passed < ramp ? passed / ramp : 1.0L;
+        gain_ += update.sample.release ? -part : part;
+        gain_ = gain_ < 0 ? 0.0L : gain_ > 1 ? 1.0L : gain_;
+        const long double ramped = gain_ * most, had = distance(sent_, glm::dvec3{0.0});
+        if (length > std::max(ramped, had) * (1 + 1e-9L) + 1e-12L) return "below the ramp, or falling to it";
+
+        // What the hand did not make is owed, and paid at the ramp's pace.
+        const long double asked = distance(update.asked, glm::dvec3{0.0});
+        const long double wanted = asked > most ? most : asked;
+        if (asked_ < 0 || ramp == 0) {
+            owed_ = 0;
+        } else {
+            owed_ = owed_ > part * most ? owed_ - part * most : 0.0L;
+            const long double made = wide(limits_.stiffness) * moved_;
+            if (wanted - asked_ > made) owed_ += wanted - asked_ - made;
+            if (owed_ > wanted) owed_ = wanted;
+        }
+        asked_ = wanted;
+        const long double sudden = wide(limits_.max_sudden);
+        const long double kept = owed_ > sudden ? owed_ - sudden : 0.0L;
 
         // What is sent is on the way from the last force to the one asked for, and there if the slew allows it.
-        const long double asked = distance(update.asked, glm::dvec3{0.0});
-        const long double cut = asked > most ? most / asked : 1.0L;
-        const long double scale = gain * cut;
+        const long double scale = asked > 0 ? gain_ * (wanted - kept) / asked : 0.0L;
         const glm::dvec3 target = update.asked * static_cast<double>(scale);
         const long double whole = distance(target, sent_);
         const long double left = whole > allowed ? whole - allowed : 0.0L;
@@ -117,43 +148,82 @@ private:
         return nullptr;
     }
 
-    [[nodiscard]] unsigned find_causes(const GuardUpdate& update) const {
+    void start_ramp() {
+        gain_ = 0;
+        asked_ = -1;
+    }
+
+    void told(const DeviceSample& now) {
+        sent_ = is_number(now.sent) ? now.sent : glm::dvec3{0.0};
+        const long double length = distance(sent_, glm::dvec3{0.0}), most = wide(limits_.max_force);
+        if (length > most) sent_ *= static_cast<double>(most / length);
+        sent_at_ = is_number(now.sent_at) ? wide(now.sent_at) : 0x1p64L;
+    }
+
+    [[nodiscard]] unsigned find_causes(const GuardUpdate& update) {
         const auto bit = [](GuardTrip trip) { return 1u << static_cast<unsigned>(trip); };
         unsigned causes = 0;
         if (!is_number(update.asked)) causes |= bit(GuardTrip::bad_force);
         if (update.buried) causes |= bit(GuardTrip::buried);
-        if (update.sample.let_go) causes |= bit(GuardTrip::device_fault);
+        if (update.sample.force_refused) causes |= bit(GuardTrip::device_fault);
         const DeviceSample& now = update.sample;
         if (!is_number(now.time) || !is_number(now.position)) return causes | bit(GuardTrip::bad_sample);
-        if (good_.empty()) return causes;
-        const DeviceSample& last = good_.back();
-        if (now.time < last.time || now.time - last.time > limits_.max_gap) causes |= bit(GuardTrip::stale);
-
-        // Backwards through the history: how often time stood still, since when the place is the same.
-        int repeats = now.time > last.time ? 0 : 1;
-        for (std::size_t k = good_.size(); repeats > 0 && k-- > 1 && !(good_[k].time > good_[k - 1].time);)
-            ++repeats;
-        double since = now.time;
-        double later = now.time;
-        for (std::size_t k = good_.size(); k-- > 0;) {
-            if (good_[k].position != now.position || good_[k].time > later) break;
-            since = later = good_[k].time;
+        moved_ = 0;
+        if (good_.empty()) {
+            good_.push_back(now);
+            latest_ = changed_at_ = wide(now.time);
+            return causes;
         }
-        const bool still = limits_.max_still > 0 && now.time - since > limits_.max_still;
-        if (repeats > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
+        const DeviceSample last = good_.back();
+        good_.push_back(now);
+        const long double time = wide(now.time), most = wide(limits_.max_gap), passed = time - latest_;
+        const long double rounding = 0x1p-52L * (std::abs(time) + std::abs(latest_));
+        const bool back = passed < -most - rounding, stale = back || passed > most + rounding;
+        if (stale) causes |= bit(GuardTrip::stale);
+        repeats_ = passed > 0 || stale ? 0 : repeats_ + 1;
+        if (passed > 0 || stale) latest_ = time;
+        if (back) changed_at_ = time;
 
-        const long double step = now.time > last.time ? wide(now.time) - wide(last.time) : 0.0L;
-        const long double moved = distance(now.position, last.position);
-        if (moved > 1e-150L &&
-            moved > wide(limits_.max_step) + wide(limits_.max_speed) * step) // its square may underflow
-            causes |= bit(GuardTrip::jump);
+        moved_ = distance(now.position, last.position);
+        if (now.position != last.position) {
+            const long double since = std::min(latest_ - changed_at_, most);
+            const auto [mean, scatter] = usual();
+            const long double seconds = std::min(std::max(since, mean) + scatter, most);
+            const bool jump = moved_ > 1e-150L && // its square may underflow
+                              moved_ > wide(limits_.max_step) + wide(limits_.max_speed) * seconds;
+            if (jump) causes |= bit(GuardTrip::jump);
+            if (!jump && !stale) intervals_.push_back(since);
+            changed_at_ = latest_;
+        }
+        const bool still = limits_.max_still > 0 && latest_ - changed_at_ > wide(limits_.max_still);
+        if (repeats_ > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
         return causes;
+    }
+
+    struct Usual {
+        long double mean = 0, scatter = 0;
+    };
+    /// The mean of the intervals, newest heaviest, and how far they were from what was the mean then.
+    [[nodiscard]] Usual usual() const {
+        constexpr std::size_t remembered = 3000; // (63/64)^3000 < 1e-20
+        const std::size_t from = intervals_.size() > remembered ? intervals_.size() - remembered : 0;
+        Usual all{wide(limits_.max_gap), 0};
+        for (std::size_t k = from; k < intervals_.size(); ++k) {
+            const long double off = std::abs(intervals_[k] - all.mean), faded = all.scatter * 63 / 64;
+            all.scatter = off > faded ? off : faded;
+            all.mean = (15 * all.mean + intervals_[k]) / 16;
+        }
+        return all;
     }
 
     GuardLimits limits_;
     std::vector<DeviceSample> good_{};
-    glm::dvec3 sent_{0.0};
-    long double ramp_time_ = 0;
+    std::vector<long double> intervals_{}; ///< s between changes of the place
+    long double latest_ = 0, changed_at_ = 0, moved_ = 0;
+    glm::dvec3 sent_{0.0}; ///< N, at the motors
+    long double sent_at_ = 0;
+    long double gain_ = 0, asked_ = -1, owed_ = 0; ///< asked_ < 0: nothing was asked for before
+    int repeats_ = 0;
     unsigned trips_[guard_trip_count]{};
     unsigned last_causes_ = 0;
     bool latched_ = false;
@@ -181,7 +251,7 @@ public:
     [[nodiscard]] GuardUpdate next() {
         GuardUpdate update;
         time_ += 0.001 * random_.between(0.5, 1.5);
-        if (random_.one_in(calm_)) time_ += random_.between(-0.02, 0.02);
+        if (random_.one_in(calm_)) time_ += random_.between(-0.06, 0.06);
         if (!random_.one_in(4)) // now and then the hand is still
             hand_ +=
                 1e-3 * glm::dvec3{random_.between(-1, 1), random_.between(-1, 1), random_.between(-1, 1)};
@@ -199,14 +269,25 @@ public:
         if (random_.one_in(4 * calm_)) update.sample.time = nasty(random_);
         if (is_number(update.sample.time) && update.sample.time > 1e6) update.sample.time = time_;
         update.buried = random_.one_in(2 * calm_);
-        update.sample.let_go = random_.one_in(2 * calm_);
+        update.sample.force_refused = random_.one_in(2 * calm_);
         update.rearmed = random_.one_in(calm_);
+        // The driver tells what it sent: as it was told, or shorter, or none at all in an update of its own.
+        if (random_.one_in(3 * calm_)) release_ = !release_;
+        update.sample.release = release_;
+        update.sample.has_sent = random_.one_in(2);
+        if (update.sample.has_sent) {
+            update.sample.sent = {random_.between(-3, 3), random_.between(-3, 3), random_.between(-3, 3)};
+            update.sample.sent_at = time_ - 0.001 * random_.between(-0.5, 3);
+            if (random_.one_in(calm_)) update.sample.sent[1] = nasty(random_);
+            if (random_.one_in(calm_)) update.sample.sent_at = nasty(random_);
+        }
         return update;
     }
 
 private:
     Random random_;
     int calm_, repeat_ = 0;
+    bool release_ = false;
     double time_ = 10;
     glm::dvec3 hand_{0.0};
     DeviceSample last_{};
