@@ -3,6 +3,7 @@
 #include "support/presses.hpp"
 #include "support/random.hpp"
 
+#include <hfh/force_guard.hpp>
 #include <hfh/virtual_coupling.hpp>
 
 #include <glm/geometric.hpp>
@@ -50,6 +51,27 @@ TEST_CASE("VirtualCoupling: the ground is felt as the spring has it, and gives n
             if (speed <= 0.2) CHECK(coupled.beyond <= 0.1);
             if (speed >= 0.1) CHECK(plain.lowest < -1e-4);
         }
+    }
+}
+
+TEST_CASE("VirtualCoupling: before the guard, which then holds its slew at the motors, both promises hold",
+          "[virtual_coupling][force_guard]") {
+    for (const double speed : {0.02, 0.1, 0.5}) {
+        VirtualCoupling coupling{{.stiffness = stiffness}};
+        // Its ramp is over before the ground is met: a force that grows while it is leant on gives that energy away.
+        ForceGuard guard{{.max_force = 3.3, .max_slew = 0.5, .ramp = 0.002, .stiffness = stiffness}};
+        int updates = 0;
+        const Presses hand{.depth = 0.01, .speed = speed};
+        const auto felt = press_wall(simulated_touch, {}, hand, 5, stiffness,
+                                     [&](const glm::dvec3& at, const glm::dvec3& asked) {
+                                         const DeviceSample sample{.time = updates++ * 1e-3, .position = at};
+                                         return guard.update(sample, coupling(at, asked).newtons).newtons;
+                                     });
+        CAPTURE(speed, felt.lowest, felt.rise);
+        CHECK(felt.lowest >= -1e-4);
+        CHECK(felt.rise <= 0.5);
+        CHECK(felt.most > 1.5);
+        CHECK(guard.counts().slewed == 0);
     }
 }
 
