@@ -231,6 +231,28 @@ TEST_CASE("DrivenAxis: dry friction, by the same fine steps", "[driven_axis]") {
     CHECK(still < 1100);
 }
 
+TEST_CASE("DrivenAxis: slides to rest and stands there, to the bit; sees a stop between two ends that move",
+          "[driven_axis]") {
+    const DrivenAxis slides{.mass = 0.5, .dry = 2, .lag = 1e-3}; // 4 m/s²: stops after v/4, having gone v²/8
+    auto s = slides.advance(DrivenAxis::at(0, 0.02), 0.013, 0, 0, 0);
+    CHECK(s.v == 0);
+    CHECK(s.x == Approx(0.02 * 0.02 / 8).epsilon(1e-12));
+    const double stopped = s.x;
+    for (int k = 0; k < 10; ++k) {
+        s = slides.advance(s, 1e-3, 1.9, 0, 0);
+        CHECK(s.v == 0);
+        CHECK(s.x == stopped);
+    }
+    // Without the stop: 1 mm/s at both ends and −1 mm/s half way, as for MovingMass.
+    const DrivenAxis dips{.mass = 0.1, .dry = 0.5, .spring = 5000};
+    const auto end = dips.advance(DrivenAxis::at(0, 1e-3), 1e-3, -0.3, 0, 0.32e-3);
+    FineSteps fine{dips, DrivenAxis::at(0, 1e-3)};
+    fine.advance(1e-3, -0.3, 0, 0.32e-3, 100000);
+    CHECK(static_cast<double>(fine.y[1]) == Approx(2e-3).epsilon(0.1)); // from rest at ½ ms on
+    CHECK(end.v == Approx(static_cast<double>(fine.y[1])).epsilon(1e-4));
+    CHECK(end.x == Approx(static_cast<double>(fine.y[0])).epsilon(1e-4));
+}
+
 TEST_CASE("DrivenAxis: two seconds in a loop with a wall, within 5·10⁻⁸ m of steps of a microsecond",
           "[driven_axis][law]") {
     // A Touch with all that this header adds, pressed against 500 N/m by a hand that trembles.

@@ -68,6 +68,31 @@ TEST_CASE("EndStops: never beyond, and never more energy than before", "[end_sto
     CHECK(hits > 100);
 }
 
+TEST_CASE("EndStops: one call with a blow in it is many short ones, drawn along by a hand",
+          "[end_stops][law]") {
+    Random random{113};
+    int blows = 0;
+    for (int n = 0; n < 200; ++n) {
+        const MovingMass mass{
+            .mass = random.between(0.03, 0.2), .spring = random.between(100, 500), .damper = 2};
+        const EndStops<MovingMass> stops{mass, -1, 0.3e-3};
+        const MovingMass::State start{0, random.between(0.4, 1)};
+        const double force = random.between(-8, -3), from = random.between(-1e-3, 1e-3),
+                     to = from + random.between(-2e-3, 0);
+        const auto whole = stops.advance(start, 1e-3, force, from, to);
+        auto fine = start;
+        bool blow = false;
+        for (int k = 0; k < 1000; ++k) {
+            fine = stops.advance(fine, 1e-6, force, from + (to - from) * k / 1000,
+                                 from + (to - from) * (k + 1) / 1000);
+            blow = blow || fine.x == 0.3e-3;
+        }
+        blows += blow && whole.x < 0.3e-3;
+        CHECK(std::abs(whole.x - fine.x) < 1e-9);
+    }
+    CHECK(blows > 20); // and then left the stop within the call
+}
+
 TEST_CASE("EndStops: the motors of an axis that gives stop, its tip and its amplifier go on", "[end_stops]") {
     const DrivenAxis axis{
         .mass = 0.03, .lag = 0.5e-3, .tip_mass = 0.02, .structure = 3500, .structure_damper = 1};

@@ -184,7 +184,7 @@ private:
     [[nodiscard]] State advance_part(State s, double seconds, Input in) const noexcept {
         if (!(dry > 0)) return series(s, in, {})(seconds);
         double left = seconds;
-        bool broke_away = false;
+        bool broke_away = false; // whatever a rounding of the force says after it
         for (int turn = 0; turn < 32; ++turn) {
             Motion motion{false, s.v > 0 ? 1.0 : s.v < 0 ? -1.0 : 0.0};
             if (motion.sign == 0) {

@@ -22,7 +22,7 @@ struct VirtualCouplingOptions {
     double lag = 0.5;
 };
 
-/// A coupled force, and what the damper did to it.
+/// A coupled force, and what the damper did to its length.
 struct CoupledForce {
     glm::dvec3 newtons{0.0};
     double held_back =
@@ -31,14 +31,17 @@ struct CoupledForce {
 
 /// Adds to a spring's force the damper that makes it passive: the damper of a virtual coupling.
 ///
-/// A force that acts `lag` updates late is too small on the way in and too large on the way out. With s the step of
-/// the position in the last update and n = F/|F|, a spring gives the hand, over and above what it took, K·lag·(s·n)² an
-/// update: K·T·v·D over a press to depth D and back at speed v, with lag = ½. So
+/// A force that acts `lag` updates late is too small on the way in and too large on the way out. With s the step of the
+/// position in the last update and ΔF the change of the force in it, the hand gets −lag·ΔF·s an update over and above
+/// what it gave: on flat ground K·T·v·D over a press to depth D and back at speed v, with lag = ½. So
 ///
-///     newtons = F − 1.5·lag·K·(s·n)·n        the damper no greater than the spring: between 0 and 2F
+///     newtons = F + 1.5·lag·ΔF        where ΔF·s < 0; |ΔF| counted up to K·|s|, the damper up to |F|
 ///
-/// takes it back in the update in which it was given, half as much again for what a changing speed leaves: a damper of
-/// 1.5·lag·K·T, which is ¾·K·T without delay. At rest it does nothing, so that depths and forces are the spring's.
+/// takes it back in the update in which it was given, half as much again for what a changing speed leaves. Where the
+/// ground is a spring, ΔF = −K·s: this is a damper of 1.5·lag·K·T, ¾·K·T without delay, in every direction in which it
+/// is one: along the normal of a face, along both where a valley holds the proxy, along a friction that sticks. A force
+/// that jumps, as from face to face or when the scene changes, is carried no farther than K·|s|; none is ever turned
+/// back. At rest nothing is added, so that depths and forces are the spring's.
 ///
 /// What holds, and what does not: there is no account here and so no bound for any motion whatever (`EnergyTank` has
 /// one, and erases light contacts by it). What is measured with the simulated Touch is in
@@ -46,30 +49,35 @@ struct CoupledForce {
 /// step q more or less is a force of (1 + 1.5·lag)·K·q for one update, 0.05 N with the Touch.
 ///
 /// Stands before the guard, which holds its limits at the motors. A force or position that is no number is passed on;
-/// the position after it counts as the first. Does not throw, does not allocate.
+/// the one after it counts as the first. Does not throw, does not allocate.
 class VirtualCoupling {
 public:
     constexpr explicit VirtualCoupling(const VirtualCouplingOptions& options) noexcept
-        : damper_{1.5 * options.lag * options.stiffness} {}
+        : stiffness_{options.stiffness}, share_{1.5 * options.lag} {}
 
     /// One update: the device is at `position`, in metres, and the spring asks for `newtons`, both at the hand.
     [[nodiscard]] CoupledForce operator()(const glm::dvec3& position, const glm::dvec3& newtons) noexcept {
-        const glm::dvec3 step = known_ ? position - position_ : glm::dvec3{0.0};
-        known_ = is_finite(position);
+        const glm::dvec3 step = position - position_, change = newtons - newtons_;
+        const bool first = !known_;
+        known_ = true; // what is no number makes neither a step nor a change, to it or from it
         position_ = position;
-        const double length = glm::length(newtons);
-        const double out = glm::dot(step, newtons);
-        if (!is_finite(out) || !is_finite(length) || !(length > 0) || !(damper_ > 0)) return {newtons, 0};
-        const double held_back = std::clamp(damper_ * (out / length), -length, length);
-        return {newtons * (1 - held_back / length), held_back};
+        newtons_ = newtons;
+        const double length = glm::length(newtons), changed = glm::length(change);
+        const double explained = stiffness_ * glm::length(step);
+        const bool damps = share_ > 0 && explained > 0 && glm::dot(change, step) < 0;
+        if (first || !damps || !is_finite(length) || !is_finite(changed)) return {newtons, 0};
+        const double damper = std::min(share_ * std::min(changed, explained), length);
+        const glm::dvec3 coupled = newtons + change * (damper / changed);
+        return {coupled, length - glm::length(coupled)};
     }
 
     /// Forgets the position before.
     constexpr void reset() noexcept { known_ = false; }
 
 private:
-    double damper_; ///< N per metre of a step
-    glm::dvec3 position_{0.0};
+    double stiffness_; ///< N/m
+    double share_;     ///< of a change of the force
+    glm::dvec3 position_{0.0}, newtons_{0.0};
     bool known_ = false;
 };
 
