@@ -253,6 +253,25 @@ TEST_CASE("DrivenAxis: slides to rest and stands there, to the bit; sees a stop 
     CHECK(end.x == Approx(static_cast<double>(fine.y[0])).epsilon(1e-4));
 }
 
+TEST_CASE("DrivenAxis: misses no stop that MovingMass sees, however short", "[driven_axis]") {
+    // The speed dips to nothing and a little beyond between two of the instants that are looked at.
+    const MovingMass plain{.mass = 0.1, .dry = 0.5, .spring = 5000};
+    const DrivenAxis axis{.mass = 0.1, .dry = 0.5, .spring = 5000};
+    int stopped = 0;
+    for (int n = 0; n < 400; ++n) {
+        const double newtons = -0.02 + n * 1e-4;
+        const auto m = plain.advance({0, 1e-3}, 1e-3, newtons, 0, 0.25e-3);
+        const auto s = axis.advance(DrivenAxis::at(0, 1e-3), 1e-3, newtons, 0, 0.25e-3);
+        const auto free = DrivenAxis{.mass = 0.1, .spring = 5000}.advance(DrivenAxis::at(0, 1e-3), 1e-3,
+                                                                          newtons - 0.5, 0, 0.25e-3);
+        stopped += std::abs(m.v - free.v) > 1e-12;
+        CHECK(std::abs(s.v - m.v) < 1e-10);
+        CHECK(std::abs(s.x - m.x) < 1e-13);
+    }
+    CHECK(stopped > 50);
+    CHECK(stopped < 350);
+}
+
 TEST_CASE("DrivenAxis: two seconds in a loop with a wall, within 5·10⁻⁸ m of steps of a microsecond",
           "[driven_axis][law]") {
     // A Touch with all that this header adds, pressed against 500 N/m by a hand that trembles.
