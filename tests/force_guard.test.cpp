@@ -330,7 +330,7 @@ TEST_CASE("ForceGuard: limits that are no numbers to go by give no force, ever",
         for (double GuardLimits::*limit :
              {&GuardLimits::max_force, &GuardLimits::max_slew, &GuardLimits::ramp, &GuardLimits::max_gap,
               &GuardLimits::max_still, &GuardLimits::max_speed, &GuardLimits::max_step,
-              &GuardLimits::stiffness, &GuardLimits::max_sudden}) {
+              &GuardLimits::stiffness, &GuardLimits::max_sudden, &GuardLimits::period}) {
             GuardLimits limits;
             limits.*limit = bad;
             Bench bench{limits};

@@ -79,7 +79,7 @@ void check_numbers_that_are_none(const Named& bad) {
     for (double GuardLimits::*limit :
          {&GuardLimits::max_force, &GuardLimits::max_slew, &GuardLimits::ramp, &GuardLimits::max_gap,
           &GuardLimits::max_still, &GuardLimits::max_speed, &GuardLimits::max_step, &GuardLimits::stiffness,
-          &GuardLimits::max_sudden}) {
+          &GuardLimits::max_sudden, &GuardLimits::period}) {
         GuardLimits limits;
         limits.*limit = bad.value;
         ForceGuard guard{limits};

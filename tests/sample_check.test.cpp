@@ -178,7 +178,7 @@ TEST_CASE("SampleCheck: a device at steady intervals is held to its own speed so
                 told = check.update(limits, n / rate, place);
                 REQUIRE_FALSE((told.jump || told.stale || told.repeated));
             }
-            // From where the scatter of the first intervals has faded to less than a micrometre.
+            // The scatter of the beginning has faded to less than a micrometre by now.
             place.y += 0.0005 + 5 / rate + excess;
             told = check.update(limits, 700 / rate, place);
             CHECK(told.jump == (excess > 0));
@@ -201,6 +201,29 @@ TEST_CASE("SampleCheck: an encoder in slow motion and a hand at rest do not make
         }
         place.z = limits.max_step + limits.max_speed * limits.max_gap + 1e-4; // 10 cm
         CHECK(check.update(limits, 5, place).jump);
+    }
+}
+
+TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its first move came about",
+          "[sample_check]") {
+    for (const bool known : {true, false}) {
+        for (const double speed : {4.9, 8.0, 12.0}) {
+            const GuardLimits limits = known ? guard_limits({.rate = 1000}) : GuardLimits{};
+            SampleCheck check;
+            glm::dvec3 place{0.0};
+            double since = 0;
+            int jumps = 0;
+            for (int n = 0; n < 1200; ++n) {
+                if (n > 1000) place.y += 0.001 * speed; // from rest at once
+                const auto told = check.update(limits, 0.001 * n, place);
+                jumps += told.jump;
+                if (jumps == 0 && n > 1000) since += 0.001;
+            }
+            CAPTURE(known, speed, since);
+            CHECK((jumps > 0) == (speed > 5));
+            // What it is ahead of max_speed by is at most max_step and max_gap at that speed.
+            if (speed > 5) CHECK((speed - 5) * since <= limits.max_step + 5 * limits.max_gap);
+        }
     }
 }
 
@@ -232,6 +255,7 @@ TEST_CASE("guard_limits: what the device tells, else what GuardLimits says", "[s
     CHECK(guard_limits(device).max_slew == 1);
     CHECK(guard_limits(device).max_gap == Approx(0.012));
     CHECK(guard_limits(device).max_repeats == 96);
+    CHECK(guard_limits(device).period == 0.001);
     device.max_slew = 0.2;
     CHECK(guard_limits(device).max_slew == 0.2);
     device.rate = 100;

@@ -158,7 +158,7 @@ TEST_CASE("touch_terrain device: holds what its guard lets through, and no more"
     // A hand at rest for a second, 10 m of terrain to a metre, and as much force upwards as the device can.
     const std::vector<demo::StylusSample> rest{{0, {500, 250, 100}}, {1, {500, 250, 100}}};
     const auto after = [&](double seconds, bool buried) {
-        demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, rest};
+        demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, 500, rest};
         demo::StylusSample sample;
         while (const auto next = device.next()) {
             sample = *next;
@@ -181,7 +181,7 @@ TEST_CASE("touch_terrain device: below the surface the hand moves up until it is
           "[touch_terrain]") {
     // A hand at rest for a second, 10 m of terrain to a metre, 4 mm of hand below the surface.
     const std::vector<demo::StylusSample> rest{{0, {500, 250, 100}}, {1, {500, 250, 100}}};
-    demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, rest};
+    demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, 500, rest};
     constexpr double lag =
         0.26 / 300 + 0.1 * 4 / 300; // m: friction against the grip, and its damping at 0.1 m/s
     double out = 0, highest = 0, last = 0;

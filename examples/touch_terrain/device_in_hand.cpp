@@ -14,6 +14,14 @@ namespace {
 constexpr double longest = 86400; // s
 constexpr double lifting = 0.1;   // m/s of the hand, out of the ground and back to the path
 
+/// The device's limits, for one that is never late, and for a terrain that may be stiffer than it can be.
+hfh::GuardLimits limits_of(const hfh::DeviceCapabilities& device, double stiffness) noexcept {
+    hfh::GuardLimits limits = hfh::guard_limits(device);
+    limits.max_gap = 3 * limits.period;
+    limits.stiffness = std::min(stiffness, 0x1p63); // a number to a guard
+    return limits;
+}
+
 double seconds_in(const std::vector<StylusSample>& path) noexcept { return path.back().t - path.front().t; }
 
 } // namespace
@@ -42,15 +50,10 @@ hfh::WorkspaceFrame fit(const hfh::DeviceModel& model, const Ground& ground,
 
 double aim_depth(double stiffness) noexcept { return 1 / hfh::HandGrip{}.stiffness + 1 / stiffness; }
 
-hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
-    constexpr double fastest = 2; // m/s
-    return {.max_force = device.max_force, .max_slew = 1e-3 * device.max_stiffness * fastest};
-}
-
-DeviceInHand::DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame,
+DeviceInHand::DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame, double stiffness,
                            std::vector<StylusSample> wanted)
     : path_{std::move(wanted)}, workspace_{frame}, device_{model, {}, Wanted{&path_, &workspace_, &lift_}, 0},
-      guard_{limits_for(model.capabilities)} {
+      guard_{limits_of(model.capabilities, stiffness)} {
     if (!(seconds_in(path_) <= longest)) {
         throw BadInput{"The path takes " + rounded(seconds_in(path_)) +
                        " s, but with a device it may take a day at the most."};

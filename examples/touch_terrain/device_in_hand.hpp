@@ -17,10 +17,6 @@ namespace demo {
 [[nodiscard]] hfh::WorkspaceFrame fit(const hfh::DeviceModel& model, const Ground& ground,
                                       const std::vector<StylusSample>& path, double room);
 
-/// What the device can give, and no more N/ms than its stiffest wall takes when a hand meets it at 2 m/s, which is a
-/// fast reach. The other limits as they come.
-[[nodiscard]] hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept;
-
 /// How far below the surface a hand aims that presses with 1 N: metres in the hand, what the grip and the surface give
 /// way.
 [[nodiscard]] double aim_depth(double stiffness) noexcept;
@@ -33,9 +29,9 @@ namespace demo {
 /// there until it is out, as a person would, and lands again.
 class DeviceInHand {
 public:
-    /// `wanted`: at least one sample, in the terrain, between which the hand moves evenly. Throws BadInput where it takes
-    /// more than a day.
-    DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame,
+    /// `stiffness`: of the terrain in the hand, N/m. `wanted`: at least one sample, in the terrain, between which the hand
+    /// moves evenly. Throws BadInput where it takes more than a day.
+    DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame, double stiffness,
                  std::vector<StylusSample> wanted);
     DeviceInHand(const DeviceInHand&) = delete;
     DeviceInHand& operator=(const DeviceInHand&) = delete;

@@ -73,7 +73,8 @@ std::string describe(const hfh::ForceGuard& guard) {
     }
     return "clamped " + grouped(guard.counts().clamped) + " updates to " + rounded(guard.limits().max_force) +
            " N, slewed " + grouped(guard.counts().slewed) + " to " + rounded(guard.limits().max_slew) +
-           " N/ms; " + (trips.empty() ? "no trips" : trips + " (see hfh/force_guard.hpp)");
+           " N/ms, held back " + grouped(guard.counts().held_back) + "; " +
+           (trips.empty() ? "no trips" : trips + " (see hfh/force_guard.hpp)");
 }
 
 void print(const Summary& summary, const std::string& terrain, const Options& options, const Setup& setup,
@@ -121,7 +122,7 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
     }
     const hfh::WorkspaceFrame frame = fit(model, ground, wanted, room);
     if (!file) wanted = built_in_stroke(ground, depth * frame.scale);
-    device.emplace(model, frame, std::move(wanted));
+    device.emplace(model, frame, setup.stiffness, std::move(wanted));
     setup.terrain_stiffness = device->workspace().terrain_stiffness(setup.stiffness);
 }
 

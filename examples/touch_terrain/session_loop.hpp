@@ -17,7 +17,11 @@ namespace demo {
 /// The trip or else the limit that acted on a force, in a word: where it is none, the force is as it was asked for.
 [[nodiscard]] inline const char* what_acted(const hfh::GuardedForce& force) noexcept {
     if (force.trip != hfh::GuardTrip::none) return to_string(force.trip);
-    return force.slewed ? "slewed" : force.ramped ? "ramped" : force.clamped ? "clamped" : "none";
+    return force.slewed      ? "slewed"
+           : force.ramped    ? "ramped"
+           : force.held_back ? "held_back"
+           : force.clamped   ? "clamped"
+                             : "none";
 }
 
 /// The session for one type of sample.

@@ -15,7 +15,8 @@ struct Touch {
     glm::dvec3 force{0.0}; ///< as felt: with a device at the hand, after the guard
     int patches = 0;
     const char* status = ""; ///< of the contact
-    const char* guard = "";  ///< what of it acted on the force: a trip, slewed, ramped or clamped, else none
+    const char* guard =
+        ""; ///< what of it acted on the force: a trip, slewed, ramped, held_back or clamped, else none
 };
 
 } // namespace demo

@@ -42,7 +42,8 @@ struct GuardedForce {
 /// so |sent| ≤ max_force and |sent − F′| ≤ max_slew·Δt. A trip overrides all: its update sends zero, at once.
 ///
 /// Sudden rises: a scene that changes under the hand (other ground, another scale) may ask for all the force at once.
-/// What the hand did not make comes at the ramp's pace. With d how far the hand has moved,
+/// What the hand did not make comes at the ramp's pace. With d how far the hand has moved, in this update and, as far as
+/// the force did not rise by it, in the one before (a tracker that limits its work may be one late),
 ///
 ///     owed ← min(|clamped|, max(0, owed − Δt·max_force/ramp) + max(0, rise of |clamped| − stiffness·d))
 ///     held = max(0, owed − max_sudden)
@@ -113,7 +114,7 @@ public:
         sent_ = detail::is_tame(newtons) ? newtons : glm::dvec3{0.0};
         const double length = detail::norm(sent_);
         if (length > limits_.max_force) sent_ *= limits_.max_force / length;
-        sent_at_ = detail::is_tame(time) ? time : latest;
+        sent_at_ = detail::is_tame(time) ? std::max(sent_at_, time) : latest;
     }
 
     /// After a trip with `latch`: the force may come back, by the ramp, once no cause stands.
@@ -162,7 +163,9 @@ private:
         step.passed = told.passed;
         step.held = std::clamp(check_.time() - sent_at_, 0.0, told.passed);
         step.moved = told.moved;
-        sent_at_ = check_.time();
+        // A told time that is later, as by a stamp out of order, stands; one that cannot be was for this update only.
+        const double now = check_.time();
+        sent_at_ = sent_at_ > now && sent_at_ - now <= limits_.max_gap ? sent_at_ : now;
         return causes;
     }
 
@@ -199,11 +202,12 @@ private:
     /// N by which the force is to be shorter for now.
     [[nodiscard]] double hold_back(double length, const Step& step) noexcept {
         if (fresh_ || !(limits_.ramp > 0)) {
-            owed_ = 0; // the ramp, or none, is what it comes by
+            owed_ = unused_ = 0; // the ramp, or none, is what it comes by
         } else {
             const double paid = limits_.max_force * ramp_in(step.passed);
-            const double sudden = length - asked_ - limits_.stiffness * step.moved;
-            owed_ = std::min(length, std::max(0.0, owed_ - paid) + std::max(0.0, sudden));
+            const double rise = length - asked_, made = limits_.stiffness * step.moved;
+            owed_ = std::min(length, std::max(0.0, owed_ - paid) + std::max(0.0, rise - made - unused_));
+            unused_ = std::clamp(made - rise, 0.0, made);
         }
         fresh_ = false;
         asked_ = length;
@@ -217,6 +221,7 @@ private:
     double sent_at_ = 0;   ///< s: the time of the update in which they did
     double gain_ = 0;      ///< of the ramp, 0 to 1
     double asked_ = 0;     ///< N: the length asked for last, at most max_force
+    double unused_ = 0;    ///< N: what the hand's last way could have made the force rise by, and did not
     double owed_ = 0;      ///< N: of that, what the hand did not make and the ramp has not yet brought
     unsigned causes_ = 0;  ///< of the last update, as bits
     bool usable_, latched_ = false;

@@ -58,6 +58,8 @@ struct GuardLimits {
     /// s between two samples: the period of a 100 Hz device and 10 ms of jitter. Also how far a stamp may be out of
     /// order, and how long ago a place that the hand was at counts for its speed.
     double max_gap = 0.02;
+    /// s between two samples of the device; 0: not told. A first guess, for its speed is measured by what it does.
+    double period = 0;
     /// Updates in a row in which time does not go on, as when polling faster than it samples: `max_gap` at 8 kHz.
     int max_repeats = 160;
     /// s at the same place to the last bit; 0: for ever, as a device that was put down.
@@ -98,7 +100,8 @@ namespace detail {
     using detail::is_limit;
     const bool numbers = is_limit(l.max_force) && is_limit(l.max_slew) && is_limit(l.ramp) &&
                          is_limit(l.stiffness) && is_limit(l.max_sudden) && is_limit(l.max_gap) &&
-                         is_limit(l.max_still) && is_limit(l.max_speed) && is_limit(l.max_step);
+                         is_limit(l.period) && is_limit(l.max_still) && is_limit(l.max_speed) &&
+                         is_limit(l.max_step);
     return numbers && l.max_repeats >= 0 && l.max_force > 0 && l.max_slew > 0 && l.max_gap > 0 &&
            l.max_speed > 0;
 }
@@ -119,7 +122,8 @@ namespace detail {
     if (told(device.max_stiffness)) limits.stiffness = device.max_stiffness;
     // Once a minute would be no device in a hand.
     if (told(device.rate) && device.rate > 1.0 / 60) {
-        limits.max_gap = 0.01 + 2 / device.rate;
+        limits.period = 1 / device.rate;
+        limits.max_gap = 0.01 + 2 * limits.period;
         limits.max_repeats = static_cast<int>(8000 * limits.max_gap + 0.5);
     }
     return limits;

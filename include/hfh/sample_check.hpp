@@ -26,16 +26,21 @@ struct CheckedSample {
 /// same place many times, and so does an encoder in slow motion. With s the time since the place changed last, at most
 /// max_gap,
 ///
-///     jump:  moved > max_step + max_speed · min(max(s, P) + scatter, max_gap)
+///     jump:  moved > max_step + max_speed · min(max(s, P) + scatter, reserve)
 ///
-/// P is the mean of s, scatter how far s has been from it. They are there for stamps that are not the device's own: after
-/// a stall samples come in a burst, each farther on by what the hand does in P, and a stamp that was taken late is
-/// followed by one that seems early. Where the place changes at steady intervals, scatter = 0 and P = s.
+/// reserve keeps the sum of all moves to that speed: it grows with time up to max_gap, and a move takes moved/max_speed
+/// of it. So no move is longer than max_step + max_speed·max_gap, and none is faster than max_speed for long.
 ///
-///     scatter ← max(|s − P|, 63/64·scatter),  then  P ← P + (s − P)/16
+/// P is the mean of s, scatter how far s has been from it lately. They are there for stamps that are not the device's own:
+/// after a stall samples come in a burst, each farther on by what the hand does in P, and a stamp that was taken late is
+/// followed by one that seems early. Where the place changes at steady intervals, P becomes s and scatter 0.
 ///
-/// P is max_gap at first: until it is known the device may be a slow one. A sample that jumps or is stale teaches
-/// nothing.
+///     scatter ← scatter · max(0, 1 − Δt/(6·max_gap))                     with every sample, and after each change
+///     scatter ← max(|s − P|, scatter),  then  P ← P + (s − P)/16
+///
+/// At first scatter is max_gap, and P the device's period or, where that is not told, max_gap as well. An interval
+/// teaches nothing where the place stayed the same in between and then changed by less than max_step, for that is a slow
+/// hand; nor does a sample that jumps or is stale.
 ///
 /// Precondition: usable limits, tame numbers. Does not throw and does not allocate.
 class SampleCheck {
@@ -47,7 +52,8 @@ public:
             started_ = true;
             time_ = changed_at_ = time;
             position_ = position;
-            period_ = limits.max_gap;
+            scatter_ = reserve_ = limits.max_gap;
+            period_ = limits.period > 0 ? std::min(limits.period, limits.max_gap) : limits.max_gap;
             return told;
         }
         const double passed = time - time_;
@@ -64,13 +70,20 @@ public:
         if (passed < -gap) changed_at_ = time;
         if (passed > 0 || told.stale) time_ = time;
 
+        reserve_ = std::min(limits.max_gap, reserve_ + told.passed);
+        scatter_ *= std::max(0.0, 1 - told.passed / (6 * limits.max_gap));
         if (position != position_) {
             const double since = std::min(time_ - changed_at_, limits.max_gap);
-            const double seconds = std::min(std::max(since, period_) + scatter_, limits.max_gap);
+            const double seconds = std::min(std::max(since, period_) + scatter_, reserve_);
             told.jump = told.moved > limits.max_step + limits.max_speed * seconds;
-            if (!told.jump && !told.stale) learn(since);
+            const bool sure = !waited_ || told.moved > limits.max_step;
+            if (sure && !told.jump && !told.stale) learn(since);
+            reserve_ = std::max(0.0, reserve_ - told.moved / limits.max_speed);
+            waited_ = false;
             changed_at_ = time_;
             position_ = position;
+        } else {
+            waited_ = true;
         }
         const bool still = limits.max_still > 0 && time_ - changed_at_ > limits.max_still;
         told.repeated = repeats_ > limits.max_repeats || still;
@@ -85,7 +98,7 @@ public:
 
 private:
     void learn(double since) noexcept {
-        scatter_ = std::max(std::abs(since - period_), 63.0 / 64 * scatter_);
+        scatter_ = std::max(std::abs(since - period_), scatter_);
         period_ += (since - period_) / 16;
     }
 
@@ -93,9 +106,11 @@ private:
     double changed_at_ = 0; ///< s: when the place changed last
     double period_ = 0;     ///< s: P, the mean interval of changes
     double scatter_ = 0;    ///< s
+    double reserve_ = 0;    ///< s
     glm::dvec3 position_{0.0};
     int repeats_ = 0; ///< updates since time last went on
     bool started_ = false;
+    bool waited_ = false; ///< there was a sample since the place changed
 };
 
 } // namespace hfh

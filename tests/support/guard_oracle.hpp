@@ -79,15 +79,14 @@ public:
 
         const char* broken = judge(update, gravest, good_.size() > 1 ? before : latest_);
         sent_ = update.result.newtons;
+        // A told time that is later than this one is out of order; if it is too late for that, it was for this update only.
+        if (good && (sent_at_ < latest_ || sent_at_ > latest_ + wide(limits_.max_gap))) sent_at_ = latest_;
         const bool released = now.release && distance(sent_, glm::dvec3{0.0}) == 0; // -0 is zero as well
         if (update.result.released != released) broken = "says if it is released";
         if (released) {
             good_.clear();
-            intervals_.clear();
             repeats_ = 0;
             start_ramp();
-        } else if (good) {
-            sent_at_ = latest_;
         }
         return broken;
     }
@@ -127,12 +126,13 @@ private:
         const long double asked = distance(update.asked, glm::dvec3{0.0});
         const long double wanted = asked > most ? most : asked;
         if (asked_ < 0 || ramp == 0) {
-            owed_ = 0;
+            owed_ = spare_ = 0;
         } else {
             owed_ = owed_ > part * most ? owed_ - part * most : 0.0L;
-            const long double made = wide(limits_.stiffness) * moved_;
-            if (wanted - asked_ > made) owed_ += wanted - asked_ - made;
+            const long double rise = wanted - asked_, made = wide(limits_.stiffness) * moved_;
+            if (rise > made + spare_) owed_ += rise - made - spare_;
             if (owed_ > wanted) owed_ = wanted;
+            spare_ = rise <= 0 ? made : rise < made ? made - rise : 0.0L;
         }
         asked_ = wanted;
         const long double sudden = wide(limits_.max_sudden);
@@ -157,7 +157,7 @@ private:
         sent_ = is_number(now.sent) ? now.sent : glm::dvec3{0.0};
         const long double length = distance(sent_, glm::dvec3{0.0}), most = wide(limits_.max_force);
         if (length > most) sent_ *= static_cast<double>(most / length);
-        sent_at_ = is_number(now.sent_at) ? wide(now.sent_at) : 0x1p64L;
+        sent_at_ = is_number(now.sent_at) ? std::max(sent_at_, wide(now.sent_at)) : 0x1p64L;
     }
 
     [[nodiscard]] unsigned find_causes(const GuardUpdate& update) {
@@ -171,6 +171,9 @@ private:
         moved_ = 0;
         if (good_.empty()) {
             good_.push_back(now);
+            scatter_ = reserve_ = wide(limits_.max_gap);
+            mean_ = limits_.period > 0 ? std::min(wide(limits_.period), scatter_) : scatter_;
+            waited_ = false;
             latest_ = changed_at_ = wide(now.time);
             return causes;
         }
@@ -184,45 +187,42 @@ private:
         if (passed > 0 || stale) latest_ = time;
         if (back) changed_at_ = time;
 
+        reserve_ += passed > 0 ? passed : 0.0L;
+        if (reserve_ > most) reserve_ = most;
+        const long double fades = 6 * most, gone = passed > 0 ? passed : 0.0L;
+        scatter_ = gone < fades ? scatter_ * (fades - gone) / fades : 0.0L;
         moved_ = distance(now.position, last.position);
         if (now.position != last.position) {
             const long double since = std::min(latest_ - changed_at_, most);
-            const auto [mean, scatter] = usual();
-            const long double seconds = std::min(std::max(since, mean) + scatter, most);
+            const long double seconds = std::min(std::max(since, mean_) + scatter_, reserve_);
             const bool jump = moved_ > 1e-150L && // its square may underflow
                               moved_ > wide(limits_.max_step) + wide(limits_.max_speed) * seconds;
             if (jump) causes |= bit(GuardTrip::jump);
-            if (!jump && !stale) intervals_.push_back(since);
+            const bool slow = waited_ && moved_ <= wide(limits_.max_step);
+            if (!jump && !stale && !slow) {
+                const long double off = since > mean_ ? since - mean_ : mean_ - since;
+                if (off > scatter_) scatter_ = off;
+                mean_ = (15 * mean_ + since) / 16;
+            }
+            const long double took = moved_ / wide(limits_.max_speed);
+            reserve_ = took < reserve_ ? reserve_ - took : 0.0L;
             changed_at_ = latest_;
         }
+        waited_ = now.position == last.position;
         const bool still = limits_.max_still > 0 && latest_ - changed_at_ > wide(limits_.max_still);
         if (repeats_ > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
         return causes;
     }
 
-    struct Usual {
-        long double mean = 0, scatter = 0;
-    };
-    /// The mean of the intervals, newest heaviest, and how far they were from what was the mean then.
-    [[nodiscard]] Usual usual() const {
-        constexpr std::size_t remembered = 3000; // (63/64)^3000 < 1e-20
-        const std::size_t from = intervals_.size() > remembered ? intervals_.size() - remembered : 0;
-        Usual all{wide(limits_.max_gap), 0};
-        for (std::size_t k = from; k < intervals_.size(); ++k) {
-            const long double off = std::abs(intervals_[k] - all.mean), faded = all.scatter * 63 / 64;
-            all.scatter = off > faded ? off : faded;
-            all.mean = (15 * all.mean + intervals_[k]) / 16;
-        }
-        return all;
-    }
-
     GuardLimits limits_;
     std::vector<DeviceSample> good_{};
-    std::vector<long double> intervals_{}; ///< s between changes of the place
+    long double mean_ = 0, scatter_ = 0; ///< s, of the intervals in which the place changes
+    long double reserve_ = 0;            ///< s that moves may still take at max_speed
+    bool waited_ = false;                ///< the place was the same in the last sample
     long double latest_ = 0, changed_at_ = 0, moved_ = 0;
     glm::dvec3 sent_{0.0}; ///< N, at the motors
     long double sent_at_ = 0;
-    long double gain_ = 0, asked_ = -1, owed_ = 0; ///< asked_ < 0: nothing was asked for before
+    long double gain_ = 0, asked_ = -1, owed_ = 0, spare_ = 0; ///< asked_ < 0: nothing was asked for before
     int repeats_ = 0;
     unsigned trips_[guard_trip_count]{};
     unsigned last_causes_ = 0;
