@@ -3,6 +3,8 @@
 // without RTTI.
 
 #include <hfh/damping.hpp>
+#include <hfh/driven_axis.hpp>
+#include <hfh/end_stops.hpp>
 #include <hfh/energy_tank.hpp>
 #include <hfh/force_guard.hpp>
 #include <hfh/force_shading.hpp>
@@ -96,7 +98,10 @@ struct Still {
 
 } // namespace
 
+template struct EndStops<MovingMass>;
+template struct EndStops<DrivenAxis>;
 template class SimulatedDevice<Still>;
+template class SimulatedDevice<Still, OwnAxes<EndStops<DrivenAxis>>, JointEncoders>;
 
 namespace {
 
