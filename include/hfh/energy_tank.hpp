@@ -54,8 +54,8 @@ struct TankForce {
 /// one it is whole at once when the hand comes in faster than largest_turn an update. A sampled spring without friction
 /// gives back all that it took and K·T·v·D more: that is cut off at the end of the way out. So it is for scenes that must
 /// not be active whatever the price, not for ground that is to be felt: on the simulated Touch a hand that aims 10 mm
-/// deep feels nothing with the defaults (9.2 mm deep, where the spring alone stops it at 3.5 mm), and steps of up to
-/// 2.6 N an update with a `largest_turn`. For ground use `VirtualCoupling`.
+/// deep feels nothing with the defaults (9.2 mm deep, where the spring alone stops it at 3.5 mm), and with a
+/// `largest_turn` steps of 0.5 to 2.6 N an update. For ground use `VirtualCoupling`.
 ///
 /// What it counts: the positions as they are told. Between two steps of the encoders the hand may get more or less.
 ///

@@ -36,11 +36,11 @@ inline constexpr DeviceModel simulated_touch{.mass = 0.045,
                                                               .resolution = 0.055e-3,
                                                               .workspace = {0.160, 0.070, 0.120}}};
 
-/// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (m_maxLinearStiffness of its
-/// Premium 1.5, 800 N/m); Choi and Tan (Effect of update rate on perceived instability of virtual haptic texture, 2004)
-/// found 325 to 904 N/m to feel clean on a Phantom 1.0 at 250 Hz to 40 kHz. The maker's 3.5 N/mm is the stiffness of the
-/// mechanism, by which its linkage gives, and no gain for a loop. All else but the viscous
-/// friction, which is assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
+/// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (800 N/m, the m_maxLinearStiffness
+/// of its Premium 1.5); Choi and Tan (Effect of update rate on perceived instability of virtual haptic texture, 2004)
+/// found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is the stiffness of
+/// the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction, which is
+/// assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
 inline constexpr DeviceModel simulated_premium{.mass = 0.075,
                                                .viscous = 0.005,
                                                .dry = 0.04,

@@ -25,8 +25,8 @@ struct VirtualCouplingOptions {
 /// A coupled force, and what the damper did to its length.
 struct CoupledForce {
     glm::dvec3 newtons{0.0};
-    double held_back =
-        0; ///< N by which it is shorter than the spring's, on the way out; longer (below 0) on the way in
+    /// N by which it is shorter than the spring's, on the way out; below 0 where it is longer, on the way in.
+    double held_back = 0;
 };
 
 /// Adds to a spring's force the damper that makes it passive: the damper of a virtual coupling.
@@ -46,7 +46,8 @@ struct CoupledForce {
 /// What holds, and what does not: there is no account here and so no bound for any motion whatever (`EnergyTank` has
 /// one, and erases light contacts by it). What is measured with the simulated Touch is in
 /// bench/results/closed_loop.md; `PassivityObserver` counts what a hand in fact got. The damper sees encoder steps: one
-/// step q more or less is a force of (1 + 1.5·lag)·K·q for one update, 0.05 N with the Touch.
+/// step q more or less is a force of (1 + 1.5·lag)·K·q for one update, 0.05 N with the Touch; beyond 2·(dry friction) it
+/// keeps a device trembling between two steps (`SteadyPosition`).
 ///
 /// Stands before the guard, which holds its limits at the motors. A force or position that is no number is passed on;
 /// the one after it counts as the first. Does not throw, does not allocate.
