@@ -114,17 +114,17 @@ struct Press {
         return {0.01, 0.005, 2e-3 - (2e-3 + depth) * std::min(1.0, t / 0.3)};
     }
 };
-template <class Encoders>
-[[nodiscard]] Tremor tremor(const hfh::DeviceModel& model, const hfh::DrivenAxis& axis, double stiffness,
+template <class Axis, class Encoders>
+[[nodiscard]] Tremor tremor(const hfh::DeviceModel& model, const Axis& axis, double lag, double stiffness,
                             const Encoders& encoders, const Links& links, int count) {
     Tremor out;
     const auto& able = model.capabilities;
     for (int n = 0; n < count; ++n) {
         const Press press{(0.5 + 2.5 * (n + 0.5) / count) / axis.spring};
-        hfh::SimulatedDevice device{able, hfh::SameAxes<hfh::DrivenAxis>{axis}, encoders, press, 2};
+        hfh::SimulatedDevice device{able, hfh::SameAxes<Axis>{axis}, encoders, press, 2};
         hfh::SteadyPosition steady{links.steadies ? able.resolution : 0};
         hfh::VirtualCoupling coupling{
-            {.stiffness = links.coupled ? stiffness : 0, .lag = 0.5 + able.delay + axis.lag / period}};
+            {.stiffness = links.coupled ? stiffness : 0, .lag = 0.5 + able.delay + lag / period}};
         double low = 1e300, high = -1e300;
         for (int k = 0; k < 2000; ++k) {
             const glm::dvec3 at = steady(device.sample().position);
@@ -140,7 +140,7 @@ template <class Encoders>
     return out;
 }
 
-[[nodiscard]] hfh::DrivenAxis axis_of(const hfh::DeviceModel& model, const hfh::HandGrip& grip, double lag) {
+[[nodiscard]] hfh::DrivenAxis lagging(const hfh::DeviceModel& model, const hfh::HandGrip& grip, double lag) {
     return {.mass = model.mass,
             .viscous = model.viscous,
             .dry = model.dry,
@@ -181,9 +181,9 @@ void matrix(const Effort& effort, Findings& findings) {
                 hfh::DeviceModel touch = hfh::simulated_touch;
                 touch.capabilities.delay = delay;
                 const hfh::AxisEncoders encoders{touch.capabilities.resolution};
-                const auto still = tremor(touch, axis_of(touch, grip, lag), 500, encoders, {}, count);
+                const auto still = tremor(touch, lagging(touch, grip, lag), lag, 500, encoders, {}, count);
                 const auto damped =
-                    tremor(touch, axis_of(touch, grip, lag), 500, encoders, {.coupled = true}, count);
+                    tremor(touch, lagging(touch, grip, lag), lag, 500, encoders, {.coupled = true}, count);
                 table.rows.push_back({text("%.0f, %.1f", grip.stiffness, grip.damping), text("%d", delay),
                                       text("%.1f", 1e3 * lag), text("%.0f", plain), text("%.0f", formula),
                                       is_exact ? text("%.0f", exact) : "", text("%.0f", coupled),
@@ -213,10 +213,12 @@ void steadied(const Effort& effort, Findings& findings) {
     for (const auto& grip : {grips[1], grips[0]}) {
         for (const double stiffness : {3500.0, 2 * premium.dry / step, premium.capabilities.max_stiffness}) {
             for (const bool joints : {false, true}) {
-                const auto axis = axis_of(premium, grip, 0);
+                const hfh::MovingMass axis{premium.mass, premium.viscous, premium.dry, grip.stiffness,
+                                           grip.damping};
                 const auto found = [&](const Links& links) {
-                    return (joints ? tremor(premium, axis, stiffness, arm, links, count)
-                                   : tremor(premium, axis, stiffness, hfh::AxisEncoders{step}, links, count))
+                    return (joints
+                                ? tremor(premium, axis, 0, stiffness, arm, links, count)
+                                : tremor(premium, axis, 0, stiffness, hfh::AxisEncoders{step}, links, count))
                         .words();
                 };
                 table.rows.push_back({text("%.0f, %.1f", grip.stiffness, grip.damping),

@@ -23,15 +23,13 @@ struct Wall {
 };
 
 /// By what factor the swing of the last second exceeds that of the first.
-template <Real T>
-[[nodiscard]] double growth(const Wall& wall, double stiffness, double seconds, Lag& lag) {
+template <Real T, class Axis>
+[[nodiscard]] double growth(const Axis& axis, int delay, double stiffness, double seconds, Lag& lag) {
     constexpr double weight = 0.5, nudge = 1e-3; // N, m/s: the swing never leaves the ground
     const auto ground = hfh::test::plane<T>(16, 16, 0, {.origin = {-8, -8}});
     Touching<T> touching{ground, stiffness};
-    hfh::SimulatedDevice device{
-        hfh::DeviceCapabilities{.rate = 1 / period, .delay = wall.delay},
-        hfh::SameAxes<hfh::DrivenAxis>{{.mass = wall.mass, .viscous = wall.viscous, .lag = wall.lag}},
-        hfh::AxisEncoders{}, Still{}, seconds};
+    hfh::SimulatedDevice device{hfh::DeviceCapabilities{.rate = 1 / period, .delay = delay},
+                                hfh::SameAxes<Axis>{axis}, hfh::AxisEncoders{}, Still{}, seconds};
     const double rest = -weight / stiffness;
     (void)touching.update({0, 0, 1}); // comes from outside
     device.place({0, 0, rest}, {0, 0, nudge});
@@ -46,6 +44,15 @@ template <Real T>
     }
     lag.add(touching);
     return last / first;
+}
+
+template <Real T>
+[[nodiscard]] double growth(const Wall& wall, double stiffness, double seconds, Lag& lag) {
+    if (!(wall.lag > 0))
+        return growth<T>(hfh::MovingMass{.mass = wall.mass, .viscous = wall.viscous}, wall.delay, stiffness,
+                         seconds, lag);
+    return growth<T>(hfh::DrivenAxis{.mass = wall.mass, .viscous = wall.viscous, .lag = wall.lag}, wall.delay,
+                     stiffness, seconds, lag);
 }
 
 /// N/m, by halving, to 10⁻⁴ of `about`.

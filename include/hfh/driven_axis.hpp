@@ -128,7 +128,12 @@ private:
             }
             return s;
         }
-        /// Of the motors, m/s².
+        /// Of the motors, m/s and m/s².
+        [[nodiscard]] double velocity(double t) const noexcept {
+            double v = 0;
+            for (int n = terms - 1; n >= 0; --n) v = v * t + c[n].v;
+            return v;
+        }
         [[nodiscard]] double acceleration(double t) const noexcept {
             double a = 0;
             for (int n = terms - 1; n > 0; --n) a = a * t + n * c[n].v;
@@ -162,9 +167,8 @@ private:
     [[nodiscard]] double event(const Series& path, const Input& in, Motion motion,
                                double end) const noexcept {
         const auto goes_on = [&](double t) {
-            const State s = path(t);
-            if (!motion.held) return motion.sign * s.v > 0;
-            return std::abs(push(s, {in.u, in.p + in.speed * t, in.speed, 1})) <= dry;
+            if (!motion.held) return motion.sign * path.velocity(t) > 0;
+            return std::abs(push(path(t), {in.u, in.p + in.speed * t, in.speed, 1})) <= dry;
         };
         for (int quarter = 1; quarter <= 4; ++quarter) {
             const double low = end * (quarter - 1) / 4, high = end * quarter / 4;
