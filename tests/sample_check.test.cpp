@@ -173,8 +173,9 @@ TEST_CASE("SampleCheck: a device at steady intervals is held to its own speed so
             SampleCheck check;
             glm::dvec3 place{0.0};
             CheckedSample told;
-            for (int n = 0; n < 700; ++n) {
-                place.x += 1e-4;
+            const int rest = static_cast<int>(20 * rate); // 20 s; then a first move of 2 mm
+            for (int n = -rest; n < 700; ++n) {
+                if (n >= 0) place.x += n == 0 ? 2e-3 : 1e-4;
                 told = check.update(limits, n / rate, place);
                 REQUIRE_FALSE((told.jump || told.stale || told.repeated));
             }

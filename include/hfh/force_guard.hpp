@@ -49,8 +49,8 @@ struct GuardedForce {
 ///     held = max(0, owed − max_sudden)
 ///
 /// A contact of the tracker with a spring never comes under it, fast or on ridges that let go: its proxy is no farther
-/// from the stylus after an update than before it and the way of the hand together. The force may turn and fall as it
-/// likes; both go by the slew.
+/// from the stylus after an update than before it and the way of the hand together. (With friction on ground that is
+/// rough from cell to cell it may be, seldom.) The force may turn and fall as it likes; both go by the slew.
 ///
 /// At the motor. Whatever stands behind the guard (a passivity controller, a driver's clamp, an update in which nothing
 /// was sent), the guard starts from what the motors got: `DeviceSample::sent`, or `sent` in a loop of one's own, and
@@ -61,9 +61,10 @@ struct GuardedForce {
 /// and it falls as fast as it is made to fall. Where nothing is told, F′ is what the guard gave out, and Δt is from the
 /// last good sample's time.
 ///
-/// The order of the chain: scene, guard, passivity controller, driver. The controller stands last, because its account
-/// has to be of the force that is sent, and only shortens; the guard limits falls as well, so behind a controller it would
-/// hold up a force that was taken away, and give energy. In this order both promises hold.
+/// The order of the chain: scene, virtual coupling, guard, energy tank, driver. What makes forces of its own stands before
+/// the guard, which holds its limits. What only shortens them to keep an account of energy stands behind it, because its
+/// account has to be of the force that is sent: the guard limits falls as well, so behind a tank it would hold up a force
+/// that was taken away, and give energy. With the guard told what was sent, the slew and the account both hold.
 ///
 /// While `DeviceSample::release` asks for no force, g goes down by Δt/ramp instead, and once the force is zero no sample
 /// is compared with the one before it: a calibration may take its time, and shift the position. Afterwards the force
