@@ -19,7 +19,8 @@ set(order
     damping force_shading friction_cone friction level_beyond raised_field
     height_bounds
     workspace guard_limits sample_check force_guard latest_value
-    moving_mass simulated_device energy_tank steady_position)
+    moving_mass driven_axis end_stops encoders simulated_device
+    virtual_coupling passivity_observer energy_tank steady_position)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

@@ -3,6 +3,8 @@
 // without RTTI.
 
 #include <hfh/damping.hpp>
+#include <hfh/driven_axis.hpp>
+#include <hfh/end_stops.hpp>
 #include <hfh/energy_tank.hpp>
 #include <hfh/force_guard.hpp>
 #include <hfh/force_shading.hpp>
@@ -12,9 +14,11 @@
 #include <hfh/hfh.hpp>
 #include <hfh/latest_value.hpp>
 #include <hfh/level_beyond.hpp>
+#include <hfh/passivity_observer.hpp>
 #include <hfh/raised_field.hpp>
 #include <hfh/simulated_device.hpp>
 #include <hfh/steady_position.hpp>
+#include <hfh/virtual_coupling.hpp>
 #include <hfh/workspace.hpp>
 
 #include <cstdint>
@@ -94,17 +98,25 @@ struct Still {
 
 } // namespace
 
+template struct EndStops<MovingMass>;
+template struct EndStops<DrivenAxis>;
 template class SimulatedDevice<Still>;
+template class SimulatedDevice<Still, OwnAxes<EndStops<DrivenAxis>>, JointEncoders>;
 
 namespace {
 
-/// The simulated device's steps kept steady, a spring, and through the tank back to it.
+/// The simulated device's steps kept steady, a spring and its damper, and through the tank back to it.
 [[maybe_unused]] bool use_device() {
     SimulatedDevice device{simulated_touch, {}, Still{}, 0.01};
     EnergyTank tank;
     SteadyPosition steady{simulated_touch.capabilities.resolution};
+    VirtualCoupling coupling{{.stiffness = 500}};
+    PassivityObserver observer{simulated_touch.capabilities.resolution};
     return device.run([&](const DeviceSample& sample) -> DeviceCommand {
-        return {.newtons = tank(sample.position, -500.0 * steady(sample.position)).newtons};
+        const auto coupled = coupling(sample.position, -500.0 * steady(sample.position));
+        const auto sent = tank(sample.position, coupled.newtons);
+        observer.update(sample.position, sent.newtons);
+        return {.newtons = sent.newtons, .go_on = observer.owed() < 1};
     }) == DeviceEnd::stopped;
 }
 

@@ -2,6 +2,8 @@
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 
+#include <hfh/driven_axis.hpp>
+#include <hfh/end_stops.hpp>
 #include <hfh/simulated_device.hpp>
 
 #include <glm/geometric.hpp>
@@ -26,6 +28,15 @@ struct Circle {
 };
 static_assert(Device<SimulatedDevice<Still>>);
 static_assert(Device<SimulatedDevice<Circle>>);
+using Walled = EndStops<DrivenAxis>;
+static_assert(Device<SimulatedDevice<Circle, OwnAxes<Walled>, JointEncoders>>);
+
+// A plain device has no room for what it is not made of.
+static_assert(sizeof(SimulatedDevice<Circle>) ==
+              sizeof(DeviceCapabilities) + sizeof(MovingMass) + sizeof(AxisEncoders) +
+                  2 * sizeof(double) + // the path, padded, and the seconds
+                  (2 + 2 + SimulatedDevice<Circle>::max_delay) * sizeof(glm::dvec3) +
+                  sizeof(unsigned long long));
 
 DeviceModel plain(double rate = 1000) { return {.mass = 0.1, .capabilities = {.rate = rate}}; }
 constexpr HandGrip no_hand{0, 0};
@@ -60,6 +71,23 @@ TEST_CASE("SimulatedDevice: a force comes late by the delay, no more and no less
             device.step({k + 1.0, -k, 0});
             const double then = k - delay;
             CHECK(device.held() == (then < 0 ? glm::dvec3{0.0} : glm::dvec3{then + 1, -then, 0}));
+        }
+    }
+}
+
+TEST_CASE("SimulatedDevice: tells the force that it took, shortened, when it took it, whatever the delay",
+          "[simulated_device]") {
+    for (int delay = 0; delay <= 8; ++delay) {
+        DeviceModel model = plain();
+        model.capabilities.delay = delay;
+        model.capabilities.max_force = 10;
+        SimulatedDevice device{model, no_hand, Still{}, 1};
+        CHECK_FALSE(device.sample().has_sent);
+        for (int k = 0; k < 30; ++k) {
+            const auto sample = device.step({k + 1.0, 0, 0});
+            CHECK(sample.has_sent);
+            CHECK(sample.sent == glm::dvec3{std::min(10.0, k + 1.0), 0, 0});
+            CHECK(sample.sent_at == k / 1000.0);
         }
     }
 }
@@ -130,6 +158,46 @@ TEST_CASE("SimulatedDevice: run calls once an update, in order, and ends as it i
     CHECK(third.held() == glm::dvec3{0.0});
 }
 
+TEST_CASE("SimulatedDevice: each axis in its own way: inertia, weight, and the walls of the workspace",
+          "[simulated_device]") {
+    const DrivenAxis heavy{.mass = 0.2}, light{.mass = 0.05}, hangs{.mass = 0.1, .gravity = -9.81};
+    SimulatedDevice device{
+        DeviceCapabilities{.rate = 1000, .workspace = {0.1, 0.1, 0.1}},
+        OwnAxes<Walled>{{{heavy, -0.05, 0.05}, {light, -0.05, 0.05}, {hangs, -0.05, 0.05}}}, AxisEncoders{},
+        Still{}, 1};
+    REQUIRE(device.valid());
+    for (int k = 1; k <= 100; ++k) {
+        device.step({1, 1, 0});
+        const double half_t2 = 0.5 * k * k * 1e-6;
+        CHECK(device.position().x == Approx(std::min(5 * half_t2, 0.05)).epsilon(1e-9));
+        CHECK(device.position().y == Approx(std::min(20 * half_t2, 0.05)).epsilon(1e-9));
+        CHECK(device.position().z == Approx(std::max(-9.81 * half_t2, -0.05)).epsilon(1e-9));
+    }
+    CHECK(device.position().y == 0.05); // there since 71 ms
+    CHECK(device.velocity().y == 0);
+    CHECK(device.velocity().x == Approx(0.5));
+    for (int k = 0; k < 100; ++k) device.step({0, -1, 0});
+    CHECK(device.position().y < 0.05);
+}
+
+TEST_CASE("SimulatedDevice: with encoders in its joints it tells counts, and moves as it does",
+          "[simulated_device]") {
+    const JointEncoders arm{.shoulder = {0, 0.2, 0}, .step = 2e-4};
+    const SameAxes<MovingMass> axes{{.mass = 0.045, .dry = 0.26, .spring = 300, .damper = 4}};
+    SimulatedDevice device{simulated_touch.capabilities, axes, arm, Circle{}, 1};
+    SimulatedDevice plain{simulated_touch, {}, Circle{}, 1};
+    double off = 0;
+    for (int k = 0; k < 500; ++k) {
+        const auto sample = device.step({});
+        plain.step({});
+        CHECK(sample.position == arm(device.position()));
+        off = std::max(off, glm::length(sample.position - device.position()));
+        CHECK(glm::length(device.position() - plain.position()) < 2e-4); // but for its viscous friction
+    }
+    CHECK(off > 10e-6);
+    CHECK(off < 40e-6);
+}
+
 TEST_CASE("SimulatedDevice: a model that makes no sense does not start", "[simulated_device]") {
     const auto starts = [](const DeviceModel& model, HandGrip grip = {}) {
         SimulatedDevice device{model, grip, Still{}, 0.01};
@@ -182,7 +250,7 @@ TEST_CASE("SimulatedDevice: the same run gives the same bits, and allocates noth
         const auto before = allocations();
         const auto end = device.run([&](const DeviceSample& sample) -> DeviceCommand {
             seen.push_back(sample.position.z);
-            return {.newtons = {0, 0, sample.position.z < 0 ? -3500 * sample.position.z : 0}};
+            return {.newtons = {0, 0, sample.position.z < 0 ? -800 * sample.position.z : 0}};
         });
         CHECK(allocations() == before);
         CHECK(end == DeviceEnd::stopped);

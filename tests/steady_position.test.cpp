@@ -4,6 +4,7 @@
 
 #include <hfh/simulated_device.hpp>
 #include <hfh/steady_position.hpp>
+#include <hfh/virtual_coupling.hpp>
 
 #include <cmath>
 #include <limits>
@@ -109,8 +110,9 @@ TEST_CASE("SteadyPosition: a device comes to rest up to twice the stiffness that
           "[steady_position]") {
     const double bound = 2 * simulated_premium.dry / simulated_premium.capabilities.resolution; // 2667 N/m
     CHECK(trembling(0.99 * bound, false) == 0);
-    CHECK(trembling(simulated_premium.capabilities.max_stiffness, false) > 10); // 3500 N/m
-    CHECK(trembling(simulated_premium.capabilities.max_stiffness, true) == 0);
+    CHECK(trembling(simulated_premium.capabilities.max_stiffness, false) == 0); // 800 N/m
+    CHECK(trembling(3500, false) > 10);
+    CHECK(trembling(3500, true) == 0);
     CHECK(trembling(1.9 * bound, false) > 50);
     CHECK(trembling(1.9 * bound, true) == 0);
 }
@@ -130,6 +132,55 @@ TEST_CASE("SteadyPosition: starts anew after what is no number", "[steady_positi
     for (int k = 0; k < 9; ++k) {
         const double x = k % 2 * exact;
         CHECK(at_zero({x, 0, 0}).x == elsewhere({1 + x, 0, 0}).x - 1);
+    }
+}
+
+TEST_CASE("SteadyPosition: does not cure a light grip that swings; a coupling does, or less stiffness",
+          "[steady_position]") {
+    const HandGrip light{100, 0.5};
+    /// Of 40 presses, how many still swing by more than a millimetre in the last half second of two.
+    const auto swinging = [&](double stiffness, bool steadies, bool couples) {
+        int count = 0;
+        for (int n = 0; n < 40; ++n) {
+            SimulatedDevice device{simulated_premium, light, Press{(0.5 + n * 0.0625) / light.stiffness}, 2};
+            SteadyPosition steady{steadies ? simulated_premium.capabilities.resolution : 0};
+            VirtualCoupling coupling{{.stiffness = couples ? stiffness : 0}};
+            double low = 1, high = -1;
+            for (int k = 0; k < 2000; ++k) {
+                const glm::dvec3 at = steady(device.sample().position);
+                device.step(coupling(at, {0, 0, at.z < 0 ? -stiffness * at.z : 0}).newtons);
+                if (k < 1500) continue;
+                low = std::min(low, device.position().z);
+                high = std::max(high, device.position().z);
+            }
+            count += high - low > 1e-3;
+        }
+        return count;
+    };
+    CHECK(swinging(3500, false, false) >= 20);
+    CHECK(swinging(3500, true, false) >= 20);
+    CHECK(swinging(3500, true, true) == 0);
+    CHECK(swinging(3500, false, true) == 0);
+    const double bears = (simulated_premium.viscous + light.damping) / 0.5e-3; // 1010 N/m
+    CHECK(swinging(0.8 * bears, false, false) == 0);
+}
+
+TEST_CASE("SteadyPosition: with encoders in the joints it steadies nothing while two of them tremble",
+          "[steady_position]") {
+    const double link = 0.2, count = step / link;
+    for (const bool both : {false, true}) {
+        SteadyPosition steady{step};
+        int acted = 0;
+        for (int k = 0; k < 4000; ++k) { // by one count, at different beats
+            const double q1 = 0.7 + count * (k / 3 % 2), q2 = 1.1 + (both ? count * (k / 4 % 2) : 0);
+            const glm::dvec3 told{link * std::cos(q1) + link * std::cos(q1 + q2), 0,
+                                  link * std::sin(q1) + link * std::sin(q1 + q2)};
+            acted += steady(told) != told;
+        }
+        if (both)
+            CHECK(acted == 0);
+        else
+            CHECK(acted > 3900); // where one trembles, its two positions come back to the bit
     }
 }
 

@@ -242,7 +242,7 @@ TEST_CASE("touch_terrain: what a simulated device holds has been through a guard
         double stiffness, max_force, max_slew; // N/m, N, N an update
     };
     const auto device =
-        GENERATE(Device{"touch", "Touch", 500, 3.3, 1}, Device{"premium", "Premium 1.5", 3500, 8.5, 1});
+        GENERATE(Device{"touch", "Touch", 500, 3.3, 1}, Device{"premium", "Premium 1.5", 800, 8.5, 1});
     // As hard as the device can, and far harder: it bounces, and all limits act.
     const double hardness = GENERATE(1.0, 200.0);
     const bool in_float = GENERATE(false, true);

@@ -2,6 +2,8 @@
 #include "report.hpp"
 
 #include <hfh/energy_tank.hpp>
+#include <hfh/passivity_observer.hpp>
+#include <hfh/virtual_coupling.hpp>
 
 // The energy that the rendered force gives to the hand, over presses and strokes that start and end in the air.
 
@@ -20,11 +22,11 @@ struct Worst {
     }
 };
 
-/// What one path gave: without and with the passivity controller.
+/// What one path gave: without and with the energy tank.
 struct Given {
     double share = 0;      ///< of K·T·v·D
     double of_squares = 0; ///< of ½K·Σ|Δx|²
-    double lowest = 0;     ///< J, with the controller: the least that the hand was ahead by at any time
+    double lowest = 0;     ///< J, with the tank: the least that the hand was ahead by at any time
 };
 
 /// A hand that nothing moves from its path, at `speed` and down to `depth`.
@@ -51,60 +53,79 @@ template <Real T>
                 period * period * acceleration + 2 * std::sqrt(3.0) * model.capabilities.resolution};
 }
 
-/// The hand of a simulated device at its nominal stiffness, with the controller: the least that the hand was ahead by,
-/// by the positions that the device tells and by those where it is.
+/// What stands between the spring and the hand of a simulated device.
+enum class Link { none, coupling, tank };
+
+/// The hand of a simulated device at its nominal stiffness: the least that it was ahead by, by the positions that the
+/// device tells and by those where it is, and what else came of it.
 struct Held {
     double told = 0, real = 0;       ///< J
-    double of_squares = 0;           ///< without the controller: of ½K·Σ|Δx|²
+    double observed_off = 0;         ///< J, by which `PassivityObserver` is off the real balance at the end
+    double of_squares = 0;           ///< of ½K·Σ|Δx|²
+    double deepest = 0;              ///< m
+    double beyond = 0;               ///< N, by how much a force steps farther than the spring's does
+    double own = 0;                  ///< N, the largest step of the spring's
     long updates = 0, shortened = 0; ///< with a force wanted; of these, with less given
-    unsigned long long exceeded = 0; ///< motions beyond the controller's options
+    unsigned long long exceeded = 0; ///< motions beyond the tank's options
 };
 template <Real T>
 [[nodiscard]] Held follow_in_hand(Touching<T>& touching, const hfh::DeviceModel& model, const Path& path,
-                                  double allowance) {
+                                  Link link) {
+    touching.reset();
+    const double hardness = model.capabilities.max_stiffness;
     Held held;
-    for (const bool controls : {false, true}) {
-        touching.reset();
-        Energy told, real;
-        auto options = options_for(model);
-        options.allowance = allowance;
-        hfh::EnergyTank tank{options};
-        hfh::SimulatedDevice device{model, {}, Along{&path}, 60};
-        for (std::size_t k = 0; k < path.size(); ++k) {
-            const auto sample = device.sample();
-            const glm::dvec3 at{hfh::vec3<T>{sample.position}};
-            glm::dvec3 newtons = touching.update(at);
-            if (controls) {
-                const auto shortened = tank(at, newtons);
-                newtons = shortened.newtons;
-                held.updates += touching.touching();
-                held.shortened += shortened.shortened;
-            }
-            const glm::dvec3 is = device.position();
-            device.step(newtons);
-            told.add(at, device.held());
-            real.add(is, device.held());
+    Energy told, real;
+    hfh::EnergyTank tank{options_for(model)};
+    hfh::VirtualCoupling coupling{{.stiffness = hardness}};
+    hfh::PassivityObserver observer{model.capabilities.resolution};
+    hfh::SimulatedDevice device{model, {}, Along{&path}, 60};
+    glm::dvec3 last_asked{0.0}, last{0.0};
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        const auto sample = device.sample();
+        const glm::dvec3 at{hfh::vec3<T>{sample.position}};
+        const glm::dvec3 asked = touching.update(at);
+        glm::dvec3 newtons = asked;
+        if (link == Link::coupling) {
+            newtons = coupling(at, asked).newtons;
+        } else if (link == Link::tank) {
+            const auto shortened = tank(at, asked);
+            newtons = shortened.newtons;
+            held.updates += touching.touching();
+            held.shortened += shortened.shortened;
         }
-        if (controls) {
-            held.told = -told.most();
-            held.real = -real.most();
-            held.exceeded = tank.exceeded();
-        } else if (told.squared_steps() > 0) {
-            held.of_squares = told.given() / (0.5 * model.capabilities.max_stiffness * told.squared_steps());
-        }
+        held.deepest = std::max(held.deepest, glm::length(asked) / hardness);
+        held.beyond = std::max(held.beyond, glm::length(newtons - last) - glm::length(asked - last_asked));
+        held.own = std::max(held.own, glm::length(asked - last_asked));
+        last_asked = asked;
+        last = newtons;
+        const glm::dvec3 is = device.position();
+        device.step(newtons);
+        observer.update(sample.position, device.held());
+        told.add(at, device.held());
+        real.add(is, device.held());
     }
+    held.told = -told.most();
+    held.real = -real.most();
+    held.observed_off = std::abs(observer.balance() + real.given());
+    held.exceeded = tank.exceeded();
+    if (told.squared_steps() > 0) held.of_squares = told.given() / (0.5 * hardness * told.squared_steps());
     return held;
 }
+
+/// One device in the hand on all grounds.
+struct InHand {
+    Worst tank, tank_real, coupled, alone, off, beyond, own, deeper, shallower;
+};
 
 } // namespace
 
 template <Real T>
 void energy(const Effort& effort, Findings& findings) {
-    Worst press, stroke, squares, rigid, touch, premium, touch_real, premium_real;
+    Worst press, stroke, squares, rigid;
+    InHand in_hands[2]; // Touch, Premium
     Findings::Detail presses{"press: energy / K·T·v·D", {}}, strokes{"stroke: energy / K·T·v·D", {}},
         mean_stroke{"… mean", {}};
-    long updates = 0, shortened = 0, generously_shortened = 0;
-    double generous_lowest = 0;
+    long updates = 0, shortened = 0;
     unsigned long long exceeded = 0;
     for (const auto& ground : grounds<T>(cell)) {
         Site<T> site{ground.terrain, 11};
@@ -140,23 +161,34 @@ void energy(const Effort& effort, Findings& findings) {
         mean_stroke.by_ground.push_back(count > 0 ? text("%.2f", sum / count) : "–");
         findings.lag.add(touching);
 
-        for (const bool is_touch : {true, false}) {
-            const auto& model = is_touch ? hfh::simulated_touch : hfh::simulated_premium;
+        for (InHand& of : in_hands) {
+            const auto& model = &of == in_hands ? hfh::simulated_touch : hfh::simulated_premium;
             Touching<T> in_hand{ground.terrain, model.capabilities.max_stiffness};
             for (int n = effort.counted(40); n > 0; --n) {
-                const auto path = n % 2 == 0 ? std::optional{site.press(6e-3, 0.1e-3)}
-                                             : site.stroke(40 * cell, 6e-3, 0.1e-3);
+                const double step = n % 4 < 2 ? 0.1e-3 : 0.5e-3;
+                const auto path =
+                    n % 2 == 0 ? std::optional{site.press(6e-3, step)} : site.stroke(40 * cell, 6e-3, step);
                 if (!path) continue;
-                const auto held = follow_in_hand(in_hand, model, *path, hfh::EnergyTankOptions{}.allowance);
-                const auto generous = follow_in_hand(in_hand, model, *path, 1e-4);
-                generously_shortened += generous.shortened;
-                generous_lowest = std::min(generous_lowest, generous.told);
-                (is_touch ? touch : premium).add(-held.told, ground.name);
-                (is_touch ? touch_real : premium_real).add(-held.real, ground.name);
-                squares.add(held.of_squares, ground.name);
-                updates += held.updates;
-                shortened += held.shortened;
-                exceeded += held.exceeded;
+                const auto alone = follow_in_hand(in_hand, model, *path, Link::none);
+                const auto coupled = follow_in_hand(in_hand, model, *path, Link::coupling);
+                const auto tank = follow_in_hand(in_hand, model, *path, Link::tank);
+                squares.add(alone.of_squares, ground.name);
+                of.alone.add(-alone.real, ground.name);
+                of.coupled.add(-coupled.real, ground.name);
+                if (step < 0.2e-3) {
+                    of.beyond.add(coupled.beyond, ground.name);
+                    of.own.add(coupled.own, ground.name);
+                }
+                of.off.add(std::max(alone.observed_off, coupled.observed_off), ground.name);
+                if (n % 2 == 0) {
+                    of.deeper.add(coupled.deepest / alone.deepest, ground.name);
+                    of.shallower.add(alone.deepest / coupled.deepest, ground.name);
+                }
+                of.tank.add(-tank.told, ground.name);
+                of.tank_real.add(-tank.real, ground.name);
+                updates += tank.updates;
+                shortened += tank.shortened;
+                exceeded += tank.exceeded;
             }
             findings.lag.add(in_hand);
         }
@@ -171,27 +203,44 @@ void energy(const Effort& effort, Findings& findings) {
     findings.rows.push_back({"… by either, also in the hand with the encoder's steps", "≤ ½K·ΣΔx² + 1 %",
                              text("%.4f of it (%s)", squares.value, squares.where.c_str()),
                              verdict(squares.value <= 1.01)});
-    const auto lowest = [&](const char* what, const Worst& worst, bool has_goal) {
-        findings.rows.push_back({what, has_goal ? "≥ −1·10⁻⁹ J" : "", text("%.2g J", -worst.value),
-                                 has_goal ? verdict(-worst.value >= -1e-9) : Verdict::none});
+    const auto lowest = [&](const std::string& what, const Worst& worst, double goal, const char* words) {
+        findings.rows.push_back(
+            {what, words, text("%.2g J (%s)", worst.value > 0 ? -worst.value : 0.0, worst.where.c_str()),
+             goal < 0 ? verdict(-worst.value >= goal) : Verdict::none});
     };
-    lowest("with the passivity controller, the hand's balance at any time, at least: rigid hand", rigid,
-           true);
-    lowest("… hand on the Touch, 500 N/m", touch, true);
-    lowest("… hand on the Premium 1.5, 3500 N/m", premium, true);
-    lowest("… Touch, between the encoder's steps, which no controller sees", touch_real, false);
-    lowest("… Premium 1.5, the same", premium_real, false);
-    const auto percent = [&](long part) {
-        return text("%.1f %%",
-                    100.0 * static_cast<double>(part) / static_cast<double>(std::max(1L, updates)));
-    };
-    findings.rows.push_back({"… in hand, motions beyond what the controller counts with", "0",
+    for (const InHand& of : in_hands) {
+        const bool is_touch = &of == in_hands;
+        const double hardness =
+            (is_touch ? hfh::simulated_touch : hfh::simulated_premium).capabilities.max_stiffness;
+        const char* name = is_touch ? "Touch" : "Premium 1.5";
+        lowest(
+            text("hand on the %s, %.0f N/m, on every ground, with `VirtualCoupling`: its real balance at any "
+                 "time, at least",
+                 name, hardness),
+            of.coupled, -1e-4, "≥ −10⁻⁴ J");
+        lowest("… without", of.alone, 0, "");
+        findings.rows.push_back({"… how deep a press comes, over the spring's alone", "1 ± 10 %",
+                                 text("%.3f to %.3f", 1 / of.shallower.value, of.deeper.value),
+                                 verdict(of.deeper.value <= 1.1 && of.shallower.value <= 1 / 0.9)});
+        findings.rows.push_back({"… steps of the force beyond the spring's own, at 0.1 m/s", "≤ 0.1 N",
+                                 text("%.3f N (%s); the spring's own up to %.2f N", of.beyond.value,
+                                      of.beyond.where.c_str(), of.own.value),
+                                 of.beyond.value <= 0.1 ? Verdict::met : Verdict::known});
+        findings.rows.push_back({"… `PassivityObserver`, off the real balance at the end of a way, at most",
+                                 "", text("%.2g J (%s)", of.off.value, of.off.where.c_str())});
+    }
+    lowest("with `EnergyTank`, the hand's balance by the told positions at any time, at least: rigid hand",
+           rigid, -1e-9, "≥ −10⁻⁹ J");
+    lowest("… hand on the Touch", in_hands[0].tank, -1e-9, "≥ −10⁻⁹ J");
+    lowest("… hand on the Premium 1.5", in_hands[1].tank, -1e-9, "≥ −10⁻⁹ J");
+    lowest("… Touch, by the real positions", in_hands[0].tank_real, 0, "");
+    lowest("… Premium 1.5, by the real positions", in_hands[1].tank_real, 0, "");
+    findings.rows.push_back({"… in hand, motions beyond what the tank counts with", "0",
                              text("%llu", exceeded), verdict(exceeded == 0)});
     findings.rows.push_back(
-        {"… in hand, updates in contact with a shortened force", "", percent(shortened), Verdict::none});
-    findings.rows.push_back({"… the same with an allowance of 0.1 mJ; and the balance", "",
-                             text("%s; %.2g J", percent(generously_shortened).c_str(), generous_lowest),
-                             Verdict::none});
+        {"… in hand, updates in contact with a shortened force", "",
+         text("%.1f %%", 100.0 * static_cast<double>(shortened) / static_cast<double>(std::max(1L, updates))),
+         Verdict::none});
     findings.details.push_back(presses);
     findings.details.push_back(strokes);
     findings.details.push_back(mean_stroke);

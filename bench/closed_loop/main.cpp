@@ -14,8 +14,8 @@ namespace {
 using namespace closed_loop;
 
 template <hfh::Real T>
-[[nodiscard]] Findings findings(const Effort& effort) {
-    Findings all;
+[[nodiscard]] Findings findings(const Effort& effort, const Findings& walls) {
+    Findings all = walls;
     for (const auto& ground : grounds<T>(1)) all.grounds.push_back(ground.name);
     wall<T>(effort, all);
     energy<T>(effort, all);
@@ -47,7 +47,10 @@ int main(int argc, char** argv) {
         return EXIT_FAILURE;
     }
     const Effort effort{share};
-    const Findings in_double = findings<double>(effort), in_float = findings<float>(effort);
+    Findings walls;
+    passivity(walls);
+    grips_and_lags(effort, walls);
+    const Findings in_double = findings<double>(effort, walls), in_float = findings<float>(effort, walls);
     const std::string table = markdown(in_double, in_float);
     std::fputs(table.c_str(), stdout);
     if (argc == 3) {

@@ -40,6 +40,13 @@ struct Findings {
         std::vector<std::string> by_ground;
     };
     std::vector<Detail> details;
+    /// A table of its own, beside the rows.
+    struct Table {
+        std::string title;
+        std::vector<std::string> head;
+        std::vector<std::vector<std::string>> rows;
+    };
+    std::vector<Table> tables;
     Lag lag;     ///< in everything that was touched
     Lag gliding; ///< of trackers that may slide no farther than a little
 };
@@ -51,6 +58,10 @@ struct Effort {
         return std::max(least, static_cast<int>(std::lround(share * full)));
     }
 };
+
+/// What has no ground but a wall, and so no scalar.
+void passivity(Findings& findings);
+void grips_and_lags(const Effort& effort, Findings& findings);
 
 template <Real T>
 void wall(const Effort& effort, Findings& findings);

@@ -1,6 +1,8 @@
 #include "hand.hpp"
 #include "report.hpp"
 
+#include <hfh/driven_axis.hpp>
+
 #include <cmath>
 
 // The critical stiffness of a wall: a mass leans on flat ground with a constant force, and is nudged. What it swings
@@ -17,18 +19,17 @@ struct Wall {
     double mass = hfh::simulated_touch.mass; ///< kg
     double viscous = 0;                      ///< N·s/m
     int delay = 0;                           ///< updates
+    double lag = 0;                          ///< s
 };
 
 /// By what factor the swing of the last second exceeds that of the first.
-template <Real T>
-[[nodiscard]] double growth(const Wall& wall, double stiffness, double seconds, Lag& lag) {
+template <Real T, class Axis>
+[[nodiscard]] double growth(const Axis& axis, int delay, double stiffness, double seconds, Lag& lag) {
     constexpr double weight = 0.5, nudge = 1e-3; // N, m/s: the swing never leaves the ground
     const auto ground = hfh::test::plane<T>(16, 16, 0, {.origin = {-8, -8}});
     Touching<T> touching{ground, stiffness};
-    hfh::SimulatedDevice device{hfh::DeviceModel{.mass = wall.mass,
-                                                 .viscous = wall.viscous,
-                                                 .capabilities = {.rate = 1 / period, .delay = wall.delay}},
-                                hfh::HandGrip{0, 0}, Still{}, seconds};
+    hfh::SimulatedDevice device{hfh::DeviceCapabilities{.rate = 1 / period, .delay = delay},
+                                hfh::SameAxes<Axis>{axis}, hfh::AxisEncoders{}, Still{}, seconds};
     const double rest = -weight / stiffness;
     (void)touching.update({0, 0, 1}); // comes from outside
     device.place({0, 0, rest}, {0, 0, nudge});
@@ -43,6 +44,15 @@ template <Real T>
     }
     lag.add(touching);
     return last / first;
+}
+
+template <Real T>
+[[nodiscard]] double growth(const Wall& wall, double stiffness, double seconds, Lag& lag) {
+    if (!(wall.lag > 0))
+        return growth<T>(hfh::MovingMass{.mass = wall.mass, .viscous = wall.viscous}, wall.delay, stiffness,
+                         seconds, lag);
+    return growth<T>(hfh::DrivenAxis{.mass = wall.mass, .viscous = wall.viscous, .lag = wall.lag}, wall.delay,
+                     stiffness, seconds, lag);
 }
 
 /// N/m, by halving, to 10⁻⁴ of `about`.
@@ -72,6 +82,13 @@ void wall(const Effort& effort, Findings& findings) {
         findings.rows.push_back({"… with one update of delay", "⅓ of that, ± 5 %",
                                  text("%.1f N/m, %.3f", delayed, delayed / plain),
                                  verdict(std::abs(3 * delayed / plain - 1) <= 0.05)});
+        constexpr double lag = 0.5e-3;
+        const double by_lag = viscous / (period / 2 + lag);
+        const double lagging =
+            critical_stiffness<T>({.viscous = viscous, .lag = lag}, by_lag, seconds, findings.lag);
+        findings.rows.push_back({"… with an amplifier lag of 0.5 ms",
+                                 text("b/(T/2 + τ) = %.0f N/m, ± 5 %%", by_lag), text("%.1f N/m", lagging),
+                                 verdict(std::abs(lagging / by_lag - 1) <= 0.05)});
     }
 }
 

@@ -33,6 +33,7 @@ struct MovingMass {
         double x = 0; ///< metres
         double v = 0; ///< metres per second
     };
+    [[nodiscard]] static constexpr State at(double x, double v) noexcept { return {x, v}; }
 
     /// Whether all is in range, for times up to `seconds`: numbers ≥ 0, a mass, and no faster than 500/`seconds`.
     [[nodiscard]] bool valid(double seconds) const noexcept {

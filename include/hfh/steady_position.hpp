@@ -22,6 +22,12 @@ namespace hfh {
 /// K·q/2 of the push, which doubles the bound: at rest up to K·q ≤ 4·f. A dead band or a backlash of the same width does
 /// that too, but lags on every way and so feeds a light grip with energy.
 ///
+/// That tremor is all it cures. A swing over more steps is passed on whole: a light grip of 100 N/m and 0.5 N·s/m on the
+/// simulated Premium at 3500 N/m swings by up to 9.9 mm with it as without. There the stiffness is more than the damping bears,
+/// K > (b + d)/(T/2 + delay·T + τ), and what helps is less of it, or the damper of `VirtualCoupling`. And it needs encoders
+/// along x, y and z: with encoders in the joints a step is a step along none of these, and while two joints tremble no
+/// coordinate comes back to where it was; then nothing is steadied.
+///
 /// For where positions come back to the bit, as counts do. The first link behind the device; a passivity controller has
 /// to go by the position as told. What is no number is passed on, and what was before it is forgotten. Does not throw,
 /// does not allocate.
