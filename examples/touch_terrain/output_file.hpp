@@ -25,6 +25,9 @@ public:
     /// Puts the file in the target's place. Throws BadInput.
     void keep();
 
+    /// For a caller who takes room in advance, or waits until the disk has it all.
+    [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+
 private:
     std::filesystem::path target_;
     std::string partial_; ///< does not change while a signal may look at it

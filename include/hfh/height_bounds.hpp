@@ -398,7 +398,7 @@ public:
         const auto range = bounds_.range(level, one, other);
         if (range.holed()) return nothing;
         const HeightRange<T> heights = grid_.heights_between(range.lowest, range.highest);
-        return Grid::in_range(heights) ? heights : nothing; // one of its patches may be missing
+        return grid_.in_range(heights) ? heights : nothing; // one of its patches may be missing
     }
 
 private:

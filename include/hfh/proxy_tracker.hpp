@@ -126,7 +126,7 @@ private:
         const bool went_on = state_.phase == Phase::searching;
         const auto hit = cast(from, to, {.side = state_.side}, work_allowed());
         const int patches = static_cast<int>(hit.cells);
-        if (hit.status == HitStatus::miss) return let_go(hit.side, stylus, patches);
+        if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
         if (hit.status == HitStatus::cell_limit) {
             state_.left_one = went_on && state_.left_one;
             state_.swept_to = along(from, to, hit.t);
@@ -193,7 +193,7 @@ private:
         if (releasing) {
             left_one = still_left(stylus);
             const auto hit = search_beyond(stylus, work_allowed(), work.patches);
-            if (hit.status == HitStatus::miss) return let_go(hit.side, stylus, work.patches);
+            if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, work.patches);
             if (hit.status == HitStatus::cell_limit) {
                 if (!covered(stylus)) return search_on(hit.side, stylus, work.patches);
                 return touch(stylus, descend(*field_, stylus, state_.proxy, 0), ContactStatus::descent_limit,
@@ -252,7 +252,7 @@ private:
                 if (hit.status == HitStatus::cell_limit)
                     return touch(stylus, found, ContactStatus::descent_limit, true, work.patches);
             }
-            if (hit.status == HitStatus::miss) return let_go(hit.side, stylus, work.patches);
+            if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, work.patches);
             progress = {};
             found = slide(stylus, work, progress);
         }
@@ -385,7 +385,7 @@ private:
     }
 
     /// Free: the surface has been searched up to the stylus, which is on this side.
-    [[nodiscard]] Contact<Scalar> let_go(Side side, const vec3<Scalar>& stylus, int patches) noexcept {
+    [[nodiscard]] Contact<Scalar> set_free(Side side, const vec3<Scalar>& stylus, int patches) noexcept {
         state_.phase = Phase::free;
         state_.side = side;
         state_.swept_to = widen(stylus);
@@ -400,7 +400,7 @@ private:
     [[nodiscard]] Contact<Scalar> leave(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept {
         const glm::dvec3 here = widen(stylus);
         const auto hit = cast(here, here, {}, 1);
-        Contact<Scalar> left = let_go(hit.side, stylus, patches + static_cast<int>(hit.cells));
+        Contact<Scalar> left = set_free(hit.side, stylus, patches + static_cast<int>(hit.cells));
         left.status =
             rim == DescentStatus::off_border ? ContactStatus::left_at_border : ContactStatus::left_at_hole;
         return left;
