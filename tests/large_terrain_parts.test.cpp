@@ -68,7 +68,7 @@ struct FileOfGround {
 
     demo::Terrain made() const {
         make_raster(file, 8192, 512, 3);
-        return demo::read_raster(file);
+        return demo::read_raster(file, {});
     }
     /// Whether nothing of the file is in memory; a file system that is memory itself says no.
     [[nodiscard]] bool turn_cold() const {

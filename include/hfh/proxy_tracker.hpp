@@ -226,9 +226,9 @@ private:
                 state_.phase = Phase::contact;
                 return touch(stylus, found, ContactStatus::contact, true, work.patches);
             }
-            // A minimum beyond another one that is no nearer but for rounding: the same one, and there is no better.
-            const bool settled =
-                minimum && left_one && !nearer(squared, state_.left, rounding(found.offset, found.point));
+            // A minimum beyond another one that is as far but for rounding: the same one, and there is no better. (It is
+            // never farther, unless the ground was edited.)
+            const bool settled = minimum && left_one && as_far(squared, rounding(found.offset, found.point));
             if (!minimum || settled) {
                 state_.phase = Phase::sliding;
                 state_.progress = minimum ? DescentProgress<Scalar>{} : progress;
@@ -297,8 +297,7 @@ private:
         const auto patch = field_->patch(state_.proxy.cell);
         if (!patch) return false;
         const vec3<Scalar> offset = offset_from(stylus, *patch);
-        const Scalar squared = glm::dot(offset, offset), blur = rounding(offset, *patch);
-        return !nearer(squared, state_.left, blur) && !nearer(state_.left, squared, blur);
+        return as_far(glm::dot(offset, offset), rounding(offset, *patch));
     }
     /// Proxy − stylus, where the proxy is on this patch.
     [[nodiscard]] vec3<Scalar> offset_from(const vec3<Scalar>& stylus,
@@ -357,9 +356,12 @@ private:
         return patch ? rounding(offset, *patch) : Scalar(0);
     }
 
-    /// Whether a point whose distance has this square is nearer than another one, by more than the rounding of a distance.
-    [[nodiscard]] static bool nearer(Scalar squared, Scalar other, Scalar rounding) noexcept {
-        return squared < other - rounding * (2 * std::sqrt(other) + rounding);
+    /// Whether a distance with this square is that of the minimum that was left, but for its rounding.
+    [[nodiscard]] bool as_far(Scalar squared, Scalar rounding) const noexcept {
+        const auto nearer = [rounding](Scalar one, Scalar other) {
+            return one < other - rounding * (2 * std::sqrt(other) + rounding);
+        };
+        return !nearer(squared, state_.left) && !nearer(state_.left, squared);
     }
 
     // Contacts are made in one piece: one filled in bit by bit is first cleared by GCC with rep stos, some 6 ns.

@@ -38,7 +38,8 @@ struct Open {
         true; ///< float, slopes of hundreds: at a crease or a rim no digits are left to tell the side by
     bool rounded_twist = false;    ///< slopes at u = 1 and v = 1 are off by the rounding of the twist
     bool hair_from_border = false; ///< a step of a denormal length gains nothing and is not taken
-    /// Cliffs of more than 2·10⁵ cells a cell: Newton creeps, and what rounding leaves of such a height can be felt at rest.
+    /// Cliffs of more than 2·10⁵ cells a cell, in float 10⁴: what rounding leaves of such a height can be felt at rest, and
+    /// in pieces the way to the ground beside it can end on another side of a needle.
     bool rest_on_cliffs = true;
 };
 constexpr Open open;
@@ -138,7 +139,7 @@ private:
         }
         const double relief = (static_cast<double>(high) - static_cast<double>(low)) / stride_;
         tame_ = relief <= 4096;
-        rest_is_judged_ = !open.rest_on_cliffs || relief <= 2e5;
+        rest_is_judged_ = !open.rest_on_cliffs || relief <= (sizeof(T) == 4 ? 1e4 : 2e5);
     }
     [[nodiscard]] double stride() const {
         return std::min(terrain_.frame.spacing.x, terrain_.frame.spacing.y);
@@ -421,7 +422,7 @@ private:
 
         if (!finite(c)) fail("not finite", c);
         if (c.patches < 0) fail("less than no work", c);
-        if (c.touching() != tracker().state().touching) fail("touching, and then not", c);
+        if (c.touching() != tracker().state().touching()) fail("touching, and then not", c);
         if (c.touching()) {
             judge_contact(q, before, c, solid);
             if (c.status == ContactStatus::descent_limit) {
