@@ -24,8 +24,8 @@ struct TrackerOptions {
     /// slides all of that way in one update, which takes up to 0.05 ms and ends in a jump of the force. With 8 here it
     /// glides there in some updates, and the force with it, and an update up to 5 cells on takes some 3 µs at the most. Of
     /// updates 5 cells on and 5 cells below Sugarhouse one in 44 ends on the way, below ground as steep as ten times Moab
-    /// one in 12; half a cell on and half a cell below them none and one in 900. The search that decides whether the
-    /// stylus is free is no part of the slide: `max_patches` alone limits it.
+    /// one in 12; half a cell on and half a cell below them none and one in 900. The search that decides whether a
+    /// stylus with the surface over it is free is no part of the slide: `max_patches` alone limits it.
     int max_slide = 8192;
 };
 
