@@ -333,7 +333,7 @@ TEST_CASE("large_terrain maker: writes what other programs read, the same on eve
     CHECK(contents(folder / "a.hdr").starts_with("NROWS 97\nNCOLS 301\nNBANDS 1\nNBITS 16\n"));
     CHECK(folder.listing().size() == 2);
 
-    const demo::Terrain terrain = demo::read_raster(folder / "a.bil");
+    const demo::Terrain terrain = demo::read_raster(folder / "a.bil", {});
     const auto& heights = std::get<demo::Heights<std::int16_t>>(terrain.heights);
     REQUIRE(heights.columns() == 301);
     REQUIRE(heights.rows() == 97);

@@ -171,7 +171,9 @@ public:
             // Where no callback came nobody has taken the error that tells why, and stopping may add one of its own.
             if (end == DeviceEnd::not_available && Shared::is_alone() && !busy_.load()) (void)failed();
             Shared::end(api_);
-            if (schedule) api_.unschedule(*schedule);
+            // A callback that has said that it is done is off the schedule already. While another device runs, whose
+            // callback takes the errors, taking it off again would be one.
+            if (schedule && (!done_.load() || !Shared::is_running())) api_.unschedule(*schedule);
             while (busy_.load()) clock_.wait(); // where others go on, nothing else waits for a late callback
             if (!Shared::is_running()) Shared::discard_errors(api_);
         }

@@ -98,6 +98,7 @@ public:
     template <hfh::DeviceTick Tick>
     hfh::DeviceEnd run(Tick&& tick) {
         begin();
+        bool pushes = false; // the motors hold a force
         while (!is_stopped()) {
             Reading reading;
             if (!api_.read(reading)) {
@@ -106,8 +107,11 @@ public:
             }
             const hfh::DeviceCommand command = call(tick, clock_.now(), reading);
             if (!api_.send(command.newtons)) return end(hfh::DeviceEnd::lost);
+            pushes = command.newtons != glm::dvec3{0.0};
             if (!command.go_on) break;
         }
+        // Stopped after the tick, which the force had left by then.
+        if (pushes && !api_.send(glm::dvec3{0.0})) return end(hfh::DeviceEnd::lost);
         return end(hfh::DeviceEnd::stopped);
     }
 

@@ -46,8 +46,10 @@ struct GuardedForce {
 /// What the hand did not make comes at the ramp's pace. With d how far the hand has moved, in this update and, as far as
 /// the force did not rise by it, in the one before (a tracker that limits its work may be one late),
 ///
-///     owed ← min(|clamped|, max(0, owed − Δt·max_force/ramp) + max(0, rise of |clamped| − stiffness·d))
+///     owed ← max(0, owed − Δt·max_force/ramp) + (rise of |clamped|, above 0 less stiffness·d), from 0 to |clamped|
 ///     held = max(0, owed − max_sudden)
+///
+/// A fall takes away what is owed, so that a force which only trembles owes nothing.
 ///
 /// A contact of the tracker with a spring never comes under it, fast or on ridges that let go: its proxy is no farther
 /// from the stylus after an update than before it and the way of the hand together. (With friction on ground that is
@@ -154,7 +156,10 @@ private:
         if (sample.force_refused) causes |= bit(GuardTrip::device_fault);
         if (buried) causes |= bit(GuardTrip::buried);
         const bool good_time = detail::is_tame(sample.time), good_place = detail::is_tame(sample.position);
-        if (!good_time || !good_place) return causes | bit(GuardTrip::bad_sample);
+        if (!good_time || !good_place) {
+            sent_at_ = latest; // zero, until a time that nothing tells
+            return causes | bit(GuardTrip::bad_sample);
+        }
         if (!usable_) return causes;
 
         if (sample.has_sent) sent(sample.sent, sample.sent_at);
@@ -208,7 +213,8 @@ private:
         } else {
             const double paid = limits_.max_force * ramp_in(step.passed);
             const double rise = length - asked_, made = limits_.stiffness * step.moved;
-            owed_ = std::min(length, std::max(0.0, owed_ - paid) + std::max(0.0, rise - made - unused_));
+            const double sudden = rise < 0 ? rise : std::max(0.0, rise - made - unused_);
+            owed_ = std::clamp(std::max(0.0, owed_ - paid) + sudden, 0.0, length);
             unused_ = std::clamp(made - rise, 0.0, made);
         }
         fresh_ = false;

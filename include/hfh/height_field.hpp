@@ -17,7 +17,7 @@ namespace hfh {
 ///     std::optional<BilinearPatch<Scalar>> patch(Cell) const noexcept;
 ///
 /// `patch(c)` is empty where there is no surface: outside cells(), or where a corner is missing. Its heights are
-/// finite and its spacing is the lattice's. Patches of neighbouring cells agree on their shared corners to the
+/// numbers below `longest` in size (`is_height`) and its spacing is the lattice's. Patches of neighbouring cells agree on their shared corners to the
 /// bit; the surface is then continuous and the library's guarantees hold. Heights may change between updates,
 /// not during one.
 // clang-format off

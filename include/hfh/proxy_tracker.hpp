@@ -51,6 +51,7 @@ struct TrackerState {
     Side side_there = Side::none; ///< releasing: the side on which the search is
     TrackerPhase phase = TrackerPhase::unseen;
     bool left_one = false; ///< sliding and searching: beyond a minimum that did not hold this stylus
+    bool goes_in = false; ///< sliding, if `left_one`: the way from that minimum to the stylus goes in at once
 
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
@@ -69,7 +70,8 @@ struct TrackerState {
 /// surface, and once in contact felt in every update in which it is below, whatever the options are. With status
 /// `contact` no patch at the proxy has a descent direction. A stylus that starts below the surface, or comes in below it
 /// from the side, feels nothing until it has been outside. Edited heights are felt at the next update. `update` is
-/// noexcept, allocates nothing and looks at no more than `max_patches` + 16 patches. At rest the proxy arrives: with the
+/// noexcept, allocates nothing and looks at no more than `max_patches` + 16 patches, but for those at the proxy and over
+/// the stylus, at which it looks once more. At rest the proxy arrives: with the
 /// same stylus again and again the updates come to do the same, to the bit.
 ///
 /// Keeps a pointer to the field, which must outlive it.
@@ -133,6 +135,7 @@ private:
             return search_on(hit.side, stylus, patches);
         }
         const bool left_one = went_on && state_.left_one && still_left(stylus);
+        state_.goes_in = false;
         state_.phase = Phase::contact;
         state_.side = hit.side;
         state_.proxy = hit.point;
@@ -192,6 +195,7 @@ private:
         bool left_one = state_.left_one;
         if (releasing) {
             left_one = still_left(stylus);
+            state_.goes_in = false;
             const auto hit = search_beyond(stylus, work_allowed(), work.patches);
             if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, work.patches);
             if (hit.status == HitStatus::cell_limit) {
@@ -234,7 +238,7 @@ private:
                 state_.progress = minimum ? DescentProgress<Scalar>{} : progress;
                 state_.left_one = left_one;
                 return touch(stylus, found, minimum ? ContactStatus::contact : ContactStatus::descent_limit,
-                             holds(found) || covered(stylus), work.patches);
+                             holds(found) || (settled && state_.goes_in) || covered(stylus), work.patches);
             }
             // Outside this face: free, unless another one lies between.
             state_.phase = Phase::releasing;
@@ -253,6 +257,7 @@ private:
                     return touch(stylus, found, ContactStatus::descent_limit, true, work.patches);
             }
             if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, work.patches);
+            state_.goes_in = hit.t * std::sqrt(widen(squared)) <= widen(rounding(found.offset, found.point));
             progress = {};
             found = slide(stylus, work, progress);
         }

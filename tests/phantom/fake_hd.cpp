@@ -282,7 +282,10 @@ void hdUnschedule(HDSchedulerHandle handle) {
     note("unschedule");
     FakeHd& hd = fake_hd();
     must(0x1'0000'0000ul < handle && handle <= hd.last_schedule, "what was scheduled is unscheduled");
-    std::erase_if(hd.scheduled, [&](const FakeHd::Scheduled& s) { return s.handle == handle; });
+    const bool found =
+        std::erase_if(hd.scheduled, [&](const FakeHd::Scheduled& s) { return s.handle == handle; }) > 0;
+    // HD_INVALID_OPERATION, as the reference says of an operation that has ended; on the stack of who runs.
+    if (!found && hd.started) raise(0x0102);
     must(!hd.started || !hd.scheduled.empty(), "stopped before the last one is unscheduled");
 }
 

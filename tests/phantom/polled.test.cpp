@@ -241,6 +241,29 @@ TEST_CASE("polled: a call that fails ends the run, and a stop does", "[polled]")
     }
 }
 
+TEST_CASE("polled: stopped while a force is being sent, none is left on the motors", "[polled][regression]") {
+    struct Api {
+        std::vector<double>& sent;
+        polled::PolledDevice<Api, WorldClock>*& device;
+        bool read(polled::Reading& reading) {
+            reading = {};
+            return true;
+        }
+        bool send(const glm::dvec3& newtons) {
+            sent.push_back(newtons.z);
+            if (sent.size() == 10) device->stop(); // as a signal or another thread would
+            return true;
+        }
+    };
+    std::vector<double> sent;
+    polled::PolledDevice<Api, WorldClock>* running = nullptr;
+    polled::PolledDevice<Api, WorldClock> device{{.rate = 1000}, Api{sent, running}};
+    running = &device;
+    CHECK(device.run([](const DeviceSample&) -> DeviceCommand { return {{0, 0, 2}}; }) == DeviceEnd::stopped);
+    CHECK(sent.size() == 11);
+    CHECK(sent.back() == 0);
+}
+
 TEST_CASE("polled: the limits in the page's table", "[polled]") {
     const auto limits = [](double rate) { return guard_limits({.rate = rate}); };
     CHECK(limits(4000).max_gap == Approx(0.0105));

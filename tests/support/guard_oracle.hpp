@@ -81,6 +81,7 @@ public:
         sent_ = update.result.newtons;
         // A told time that is later than this one is out of order; if it is too late for that, it was for this update only.
         if (good && (sent_at_ < latest_ || sent_at_ > latest_ + wide(limits_.max_gap))) sent_at_ = latest_;
+        if (!good) sent_at_ = 0x1p64L; // zero, until a time that nothing tells
         const bool released = now.release && distance(sent_, glm::dvec3{0.0}) == 0; // -0 is zero as well
         if (update.result.released != released) broken = "says if it is released";
         if (released) {
@@ -131,7 +132,9 @@ private:
             owed_ = owed_ > part * most ? owed_ - part * most : 0.0L;
             const long double rise = wanted - asked_, made = wide(limits_.stiffness) * moved_;
             if (rise > made + spare_) owed_ += rise - made - spare_;
+            if (rise < 0) owed_ += rise;
             if (owed_ > wanted) owed_ = wanted;
+            if (owed_ < 0) owed_ = 0;
             spare_ = rise <= 0 ? made : rise < made ? made - rise : 0.0L;
         }
         asked_ = wanted;
