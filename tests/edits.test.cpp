@@ -290,7 +290,7 @@ TEMPLATE_TEST_CASE("edits: ground that is dug, raised or swapped in one update c
          }}};
     for (const auto& [name, edit] : edits) {
         const GuardLimits limits{.max_slew = 0.07, .max_sudden = 4}; // the slew alone
-        const double pace = 70; // N/s
+        const double pace = 70;                                      // N/s
         EditedTouch<T> touch{
             plane<T>(41, 41, 0, five_millimetres), {T(20.5 * 0.005), T(20.25 * 0.005), T(0.001)}, limits};
         for (int n = 0; n < 500; ++n) (void)touch.step();

@@ -427,3 +427,45 @@ TEMPLATE_TEST_CASE("proxy_tracker: ground that is lowered under a stylus resting
     }
     CHECK(rested > 100);
 }
+
+TEMPLATE_TEST_CASE("proxy_tracker: ground that is edited while a descent is under way is looked at anew",
+                   "[proxy_tracker][edits][regression]", float, double) {
+    using T = TestType;
+    // The descent went on as if the ground were still what it had seen of it, and ended where a patch led down.
+    Random random{417};
+    int edited = 0, arrived = 0;
+    for (int n = 0; n < 3000; ++n) {
+        auto ground = rough<T>(12, 11, 30, static_cast<std::uint64_t>(n + 1));
+        const auto grid = ground.grid();
+        const TrackerOptions little{.max_patches = static_cast<int>(random.whole(1, 6)),
+                                    .max_slide = static_cast<int>(random.whole(1, 6))};
+        ProxyTracker tracker{grid, little};
+        const auto over = [&](double z) {
+            return vec3<T>{static_cast<T>(random.between(3, 8)), static_cast<T>(random.between(3, 7)),
+                           static_cast<T>(z)};
+        };
+        (void)tracker.update(over(99));
+        const auto inside = over(random.between(-20, 10));
+        auto contact = tracker.update(inside);
+        for (int k = 0; k < 60; ++k) {
+            if (contact.status == ContactStatus::descent_limit) {
+                const Cell near = contact.point.cell;
+                ground.at(near.i + static_cast<Index>(random.whole(0, 1)),
+                          near.j + static_cast<Index>(random.whole(0, 1))) +=
+                    static_cast<T>(random.between(-20, 40));
+                ++edited;
+            }
+            contact = tracker.update(inside);
+            if (contact.status != ContactStatus::contact) continue;
+            ++arrived;
+            const Surface<T> surface{ground};
+            CHECK(surface.template fall<T>({contact.point.cell.i, contact.point.cell.j,
+                                            static_cast<Wide>(contact.point.u),
+                                            static_cast<Wide>(contact.point.v)},
+                                           wide(inside)) <= 64);
+            break;
+        }
+    }
+    CHECK(edited > 500);
+    CHECK(arrived > 500);
+}

@@ -259,6 +259,8 @@ TEST_CASE("guard_limits: what the device tells, else what GuardLimits says", "[s
     CHECK(guard_limits(device).period == 0.001);
     device.max_slew = 0.2;
     CHECK(guard_limits(device).max_slew == 0.2);
+    device.max_slew = 4; // a driver's own limit may be no protection of a hand
+    CHECK(guard_limits(device).max_slew == 1);
     device.rate = 100;
     CHECK(guard_limits(device).max_gap == Approx(0.03));
     CHECK(guard_limits(device).max_repeats == 240);

@@ -264,7 +264,7 @@ TEST_CASE("touch_terrain: refuses outputs it cannot write or that would overwrit
     const auto files = folder.listing();
     for (const std::string bad :
          {"--record nowhere/out.csv", "--record .", "--record ''", "--record /dev/null",
-          "--path good.csv --record ./good.csv", "--record good.bil"}) {
+          "--path good.csv --record ./good.csv", "--record good.bil", "--record good.hdr"}) {
         const Run run = folder.run("good.bil " + bad);
         CAPTURE(bad, run.err);
         CHECK(run.code == 2);

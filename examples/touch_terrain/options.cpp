@@ -80,6 +80,26 @@ void refuse_same_file(const char* a, const std::optional<std::filesystem::path>&
                    ", but each must be a file of its own."};
 }
 
+/// A terrain may be read from files beside it too: they have its name, with another ending or one more.
+void refuse_beside_terrain(const std::optional<std::filesystem::path>& terrain, const char* option,
+                           const std::optional<std::filesystem::path>& output) {
+    if (!terrain || !output) return;
+    constexpr std::array<std::string_view, 9> endings{".hdr", ".prj", ".xml", ".aux", ".clr",
+                                                      ".stx", ".tfw", ".pgw", ".wld"};
+    const std::string ending = output->extension().string();
+    std::error_code error;
+    const bool exists = std::filesystem::exists(*output, error);
+    if (!exists || std::ranges::find(endings, ending) == endings.end()) return;
+    const auto here = std::filesystem::weakly_canonical(*output, error),
+               there = std::filesystem::weakly_canonical(*terrain, error);
+    if (here.parent_path() != there.parent_path() ||
+        !here.filename().string().starts_with(there.stem().string())) {
+        return;
+    }
+    throw BadInput{std::string{option} + " " + output->string() + " is there and belongs to the terrain " +
+                   terrain->string() + ": it is not written over."};
+}
+
 } // namespace
 
 std::optional<Options> read_options(int argc, const char* const* argv) {
@@ -178,6 +198,8 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     refuse_same_file("--path", options.path, "--picture", options.picture);
     refuse_same_file("TERRAIN", options.terrain, "--record", options.record);
     refuse_same_file("TERRAIN", options.terrain, "--picture", options.picture);
+    refuse_beside_terrain(options.terrain, "--record", options.record);
+    refuse_beside_terrain(options.terrain, "--picture", options.picture);
     return options;
 }
 

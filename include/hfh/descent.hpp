@@ -21,7 +21,7 @@ enum class DescentStatus : unsigned char {
 };
 
 /// Where a descent that was cut short is on its way, so that it goes on in another call with the same query as if it had
-/// not been cut short: to the bit. Made anew where the query is another one.
+/// not been cut short: to the bit. Made anew where the query is another one. Heights may have been edited meanwhile.
 template <Real T>
 struct DescentProgress {
     /// Smallest |σ|² with which the point was on a border, and visits to a border since then. Along a sharp crease two
@@ -199,9 +199,12 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     auto f = distance(at.u, at.v);
     auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
     int patches = 1;
+    // The point is no farther than it was on a border before, unless the ground was edited.
+    if (progress.under_way && distance.squared(at.u, at.v, f.z) > (1 + 8 * epsilon<T>)*progress.nearest)
+        progress = {};
     int steps = progress.steps; // in this patch
     Freedom may{distance, f, vec2<T>{at.u, at.v}};
-    bool look = progress.under_way ? progress.look : on_border(at);
+    bool look = on_border(at) && (!progress.under_way || progress.look || may.none());
     const auto cut_short = [&] {
         progress.steps = steps;
         progress.under_way = true;

@@ -3,6 +3,7 @@
 
 #include <hfh/device.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 // What a guard goes by: its thresholds, and the names of what trips it.
@@ -104,7 +105,7 @@ namespace detail {
 
 /// Limits that fit a device; what it does not tell (0, or no number above 0) is as in `GuardLimits`.
 ///
-/// max_slew is the device's own limit. Where it tells none it is 1 N/ms, for any device: that is a wall of 500 N/m met
+/// max_slew is the device's own limit where that is lower than 1 N/ms, and 1 N/ms for any other device: that is a wall of 500 N/m met
 /// at 2 m/s, or one of 3500 N/m at 0.3 m/s; a harder hit is felt softer for some milliseconds, and the full force of
 /// a strong device, 8.5 N, is not there before 8.5 ms. Stiffness × speed for the stiffest device would let it be there
 /// in one.
@@ -115,7 +116,7 @@ namespace detail {
     const auto told = [](const double& x) { return detail::is_limit(x) && x > 0; };
     GuardLimits limits;
     if (told(device.max_force)) limits.max_force = device.max_force;
-    if (told(device.max_slew)) limits.max_slew = device.max_slew;
+    if (told(device.max_slew)) limits.max_slew = std::min(limits.max_slew, device.max_slew);
     if (told(device.max_stiffness)) limits.stiffness = device.max_stiffness;
     if (told(device.rate) && device.rate >= 50) {
         limits.period = 1 / device.rate;

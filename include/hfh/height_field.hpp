@@ -16,10 +16,10 @@ namespace hfh {
 ///     CellRange cells()   const noexcept;       the cells that may hold a patch
 ///     std::optional<BilinearPatch<Scalar>> patch(Cell) const noexcept;
 ///
-/// `patch(c)` is empty where there is no surface: outside cells(), or where a corner is missing. Its heights are
-/// numbers below `longest` in size (`is_height`) and its spacing is the lattice's. Patches of neighbouring cells agree on their shared corners to the
-/// bit; the surface is then continuous and the library's guarantees hold. Heights may change between updates,
-/// not during one.
+/// `patch(c)` is empty where there is no surface: outside cells(), or where a corner is missing. Its heights are numbers
+/// below `longest` in size (`is_height`) and its spacing is the lattice's. Patches of neighbouring cells agree on their
+/// shared corners to the bit; the surface is then continuous and the library's guarantees hold. Heights may change between
+/// updates, not during one.
 // clang-format off
 template <class F>
 concept HeightField = Real<typename F::Scalar>

@@ -147,7 +147,8 @@ private:
             const bool covered = gliding && under && sign * above < tolerance;
             if (c.depth > 0 && sign * dot(offset, n) < -16 * blur && !covered && !goes_in(proxy, q, sign))
                 return "pulls towards the surface";
-            if (gliding && under && sign * above < -tolerance && !(c.depth > 0))
+            if (gliding && under && sign * above < -std::max(tolerance, 32 * surface.blur(*under, q, eps)) &&
+                !(c.depth > 0))
                 return "nothing felt on the way, though the stylus is inside";
             if (c.status == ContactStatus::contact) {
                 if (!(c.depth > 0) && length(offset) > 64 * blur) return "in contact without penetration";
