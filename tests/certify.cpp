@@ -8,6 +8,7 @@
 
 #include "support/brute_force_hit.hpp"
 #include "support/hard_patches.hpp"
+#include "support/limited_work.hpp"
 #include "support/real_terrains.hpp"
 #include "support/scenes.hpp"
 #include "support/step_judge.hpp"
@@ -398,6 +399,33 @@ void limited() {
     });
 }
 
+/// Strokes of every kind on hard ground, with limits at random: bounded, never dropped, comes to rest, and no force where
+/// unlimited work gives none. Twelve kinds of ground; of the two wild ones, with heights of every size that a file can
+/// hold, what is true of each update alone is judged.
+template <Real T>
+void strokes() {
+    Random random{112};
+    constexpr int kinds = hard_grounds;
+    const long count = counted(5e8);
+    long updates = 0, contacts = 0, rests = 0, faults = 0;
+    for (int n = 0; updates < count; ++n) {
+        const auto kind = static_cast<HardGround>(n % kinds);
+        const auto ground = hard_ground<T>(kind, random);
+        const TrackerOptions options{.surface = random.one_in(5) ? SurfaceKind::sheet : SurfaceKind::solid,
+                                     .max_patches = any_limit(random),
+                                     .max_slide = any_limit(random)};
+        LimitedWork<T> work{ground, options};
+        work.judges_rest = kind <= HardGround::crease;
+        stroke_about(work, ground, random);
+        updates += work.updates, contacts += work.contacts, rests += work.rests;
+        if (!work.fault().empty() && faults++ < 3) std::printf("  %s\n", work.fault().c_str());
+    }
+    report("strokes", name<T>,
+           text("%ld updates, %.0f %% in contact, %ld rests, %ld faults", updates,
+                100.0 * static_cast<double>(contacts) / static_cast<double>(updates), rests, faults),
+           faults);
+}
+
 /// No step within a patch passes a first minimum of F: on its way, straight or along the floor of a valley, F never rises by
 /// more than roundings. Every step down to the end, each from the end of the last.
 template <Real T>
@@ -469,6 +497,7 @@ template <Real T>
     one("first_hit", first_crossing<T>);
     one("tracker", tracker<T>);
     one("limited", limited<T>);
+    one("strokes", strokes<T>);
     one("flat", flat<T>);
     return known;
 }
@@ -481,10 +510,11 @@ int main(int argc, char** argv) {
     const bool understood =
         share > 0 && (scalar == "float" ? run<float>(argv[1]) : scalar == "double" && run<double>(argv[1]));
     if (!understood) {
-        std::fputs("usage: hfh_certify closest_point|steps|descent|flow|first_hit|tracker|limited|flat|all "
-                   "float|double "
-                   "SHARE\n",
-                   stderr);
+        std::fputs(
+            "usage: hfh_certify closest_point|steps|descent|flow|first_hit|tracker|limited|strokes|flat|all "
+            "float|double "
+            "SHARE\n",
+            stderr);
         return 2;
     }
     return broken ? 1 : 0;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 using namespace hfh;
@@ -242,23 +243,23 @@ TEST_CASE("polled: a call that fails ends the run, and a stop does", "[polled]")
 }
 
 TEST_CASE("polled: stopped while a force is being sent, none is left on the motors", "[polled][regression]") {
+    std::vector<double> sent;
+    std::function<void()> stop;
     struct Api {
-        std::vector<double>& sent;
-        polled::PolledDevice<Api, WorldClock>*& device;
+        std::vector<double>* sent;
+        std::function<void()>* stop;
         bool read(polled::Reading& reading) {
             reading = {};
             return true;
         }
         bool send(const glm::dvec3& newtons) {
-            sent.push_back(newtons.z);
-            if (sent.size() == 10) device->stop(); // as a signal or another thread would
+            sent->push_back(newtons.z);
+            if (sent->size() == 10) (*stop)(); // as a signal or another thread would
             return true;
         }
     };
-    std::vector<double> sent;
-    polled::PolledDevice<Api, WorldClock>* running = nullptr;
-    polled::PolledDevice<Api, WorldClock> device{{.rate = 1000}, Api{sent, running}};
-    running = &device;
+    polled::PolledDevice<Api, WorldClock> device{{.rate = 1000}, Api{&sent, &stop}};
+    stop = [&] { device.stop(); };
     CHECK(device.run([](const DeviceSample&) -> DeviceCommand { return {{0, 0, 2}}; }) == DeviceEnd::stopped);
     CHECK(sent.size() == 11);
     CHECK(sent.back() == 0);
