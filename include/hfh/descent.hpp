@@ -27,10 +27,10 @@ struct DescentProgress {
     /// Smallest |σ|² with which the point was on a border, and visits to a border since then. Along a sharp crease two
     /// patches can hand the point back and forth for the last bits: after 8 visits without coming nearer it has arrived.
     T nearest = std::numeric_limits<T>::max();
-    int stalls = 0;
-    int steps = 0;          ///< in this patch
-    bool under_way = false; ///< was cut short,
-    bool look = false;      ///< where the patches around the point are to be compared
+    unsigned char stalls = 0;
+    unsigned char steps = 0; ///< in this patch
+    bool under_way = false;  ///< was cut short,
+    bool look = false;       ///< where the patches around the point are to be compared
 };
 
 template <Real T>
@@ -206,7 +206,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     Freedom may{distance, f, vec2<T>{at.u, at.v}};
     bool look = on_border(at) && (!progress.under_way || progress.look || may.none());
     const auto cut_short = [&] {
-        progress.steps = steps;
+        progress.steps = static_cast<unsigned char>(steps);
         progress.under_way = true;
         progress.look = look;
         status = DescentStatus::work_limit;
@@ -214,7 +214,8 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     while (max_patches > 0) {
         if (look) {
             const T squared = distance.squared(at.u, at.v, f.z);
-            progress.stalls = squared < progress.nearest ? 0 : progress.stalls + 1;
+            progress.stalls =
+                squared < progress.nearest ? 0 : static_cast<unsigned char>(progress.stalls + 1);
             progress.nearest = glm::min(progress.nearest, squared);
             if (progress.stalls >= 8) break;
             const auto around = look_around(field, query, at, distance, falls(distance, f, at.u, at.v));
