@@ -75,6 +75,35 @@ TEST_CASE("VirtualCoupling: before the guard, which then holds its slew at the m
     }
 }
 
+TEST_CASE(
+    "VirtualCoupling: before the guard as README sets them up, with and without delay, gives nothing away",
+    "[virtual_coupling][force_guard][regression]") {
+    // The damper makes the force rise by more than stiffness × way for an update, and fall again: the guard took that for
+    // force that the hand had not made, and held it back until the loop gave energy.
+    for (const int delay : {0, 1, 2}) {
+        DeviceModel touch = simulated_touch;
+        touch.capabilities.delay = delay;
+        for (const double speed : {0.02, 0.05, 0.1}) {
+            VirtualCoupling coupling{{.stiffness = 400, .lag = 0.5 + delay}};
+            ForceGuard guard{guard_limits(touch.capabilities)};
+            const Presses hand{.depth = 0.01, .speed = speed};
+            // Its ramp is over before the ground is met.
+            int updates = 0;
+            for (; updates < 600; ++updates)
+                (void)guard.update({.time = updates * 1e-3, .position = hand(0.0)}, {0, 0, 0});
+            const auto felt =
+                press_wall(touch, {}, hand, 5, 400, [&](const glm::dvec3& at, const glm::dvec3& asked) {
+                    const DeviceSample sample{.time = updates++ * 1e-3, .position = at};
+                    return guard.update(sample, coupling(at, asked).newtons).newtons;
+                });
+            CAPTURE(delay, speed, felt.lowest, guard.counts().held_back);
+            CHECK(felt.lowest >= -1e-4);
+            CHECK(guard.counts().held_back == 0);
+            CHECK(felt.most > 1);
+        }
+    }
+}
+
 TEST_CASE("VirtualCoupling: takes back in each update what the update before gave away",
           "[virtual_coupling][law]") {
     // A rigid hand at one speed: the spring gives K·T·v·D, the damper takes 1.5 times that.

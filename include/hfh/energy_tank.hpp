@@ -61,8 +61,8 @@ struct TankForce {
 /// What it counts: the positions as they are told. Between two steps of the encoders the hand may get more or less.
 ///
 /// The last link before the device, behind the guard: it only ever shortens. What a driver changes behind it has to be
-/// told by `sent`. The device must hold the
-/// force until the next update (delay 0). A motion beyond the options is counted in `exceeded`; what it drew is owed, and
+/// told by `sent`, and may only be shorter and the same way: a force that is turned behind the tank, as by a clamp of each
+/// axis, can give more than it accounts for. The device must hold the force until the next update (delay 0). A motion beyond the options is counted in `exceeded`; what it drew is owed, and
 /// `owed` says how much. Until it is paid back only a force that is sure to take energy passes; without a `largest_turn`
 /// none is, there is no force at all any more, and `reset` has to forgive the debt. Does not throw, does not allocate.
 class EnergyTank {

@@ -57,9 +57,12 @@ struct GuardLimits {
     /// s between two samples: the period of a 100 Hz device and 10 ms of jitter. Also how far a stamp may be out of
     /// order, and how long ago a place that the hand was at counts for its speed.
     double max_gap = 0.02;
-    /// s between two samples of the device; 0: not told. A first guess, for its speed is measured by what it does.
+    /// s between two samples of the device; 0: not told. A first guess, for its pace is learnt from the changes of the
+    /// position. Tell it where a slow device is asked often: there small moves between equal samples teach nothing, and
+    /// until it is known a jump is one of max_step + max_speed·max_gap only, 101 mm as these limits stand.
     double period = 0;
-    /// Updates in a row in which time does not go on, as when polling faster than it samples: `max_gap` at 8 kHz.
+    /// Updates in a row in which the sample's time does not go on, where the device stamps its samples and is asked faster
+    /// than it samples: `max_gap` at 8 kHz. Stamps of the host's clock always go on: see `max_still`.
     int max_repeats = 160;
     /// s at the same place to the last bit; 0: for ever, as a device that was put down.
     double max_still = 0;
