@@ -43,7 +43,9 @@ GridStatus status_of(const GridFrame& frame) {
     const BilinearGrid<T, HeightView<std::uint8_t>> grid{HeightView{samples.data(), 2, 2}, frame};
     // Whatever the status, asking is safe, and a grid that is not ok is empty.
     CHECK(grid.cells().empty() == (grid.status() != GridStatus::ok));
-    CHECK(grid.patch({0, 0}).has_value() == (grid.status() == GridStatus::ok));
+    const bool heights =
+        hfh::is_height(static_cast<T>(4 * frame.height_scale) + static_cast<T>(frame.height_offset));
+    CHECK(grid.patch({0, 0}).has_value() == (grid.status() == GridStatus::ok && heights));
     CHECK_FALSE(grid.patch({-1, 0}).has_value());
     return grid.status();
 }

@@ -231,7 +231,7 @@ TEST_CASE("DrivenAxis: dry friction, by the same fine steps", "[driven_axis]") {
     CHECK(still < 1100);
 }
 
-TEST_CASE("DrivenAxis: slides to rest and stands there, to the bit; sees a stop between two ends that move",
+TEST_CASE("DrivenAxis: slides to rest and stands there, to the bit, sees a stop between two ends that move",
           "[driven_axis]") {
     const DrivenAxis slides{.mass = 0.5, .dry = 2, .lag = 1e-3}; // 4 m/s²: stops after v/4, having gone v²/8
     auto s = slides.advance(DrivenAxis::at(0, 0.02), 0.013, 0, 0, 0);

@@ -19,7 +19,7 @@ constexpr JointEncoders arm{
 
 } // namespace
 
-TEST_CASE("AxisEncoders: round each axis to its nearest step; without a step to the bit", "[encoders]") {
+TEST_CASE("AxisEncoders: round each axis to its nearest step, without a step to the bit", "[encoders]") {
     const AxisEncoders encoders{1e-4};
     const glm::dvec3 told = encoders({0.00123, -0.00127, 0.00004});
     CHECK(told.x == Approx(0.0012));

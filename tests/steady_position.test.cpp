@@ -135,7 +135,7 @@ TEST_CASE("SteadyPosition: starts anew after what is no number", "[steady_positi
     }
 }
 
-TEST_CASE("SteadyPosition: does not cure a light grip that swings; a coupling does, or less stiffness",
+TEST_CASE("SteadyPosition: does not cure a light grip that swings, a coupling does, or less stiffness",
           "[steady_position]") {
     const HandGrip light{100, 0.5};
     /// Of 40 presses, how many still swing by more than a millimetre in the last half second of two.

@@ -205,7 +205,7 @@ TEST_CASE("touch_terrain flt: samples in the other byte order are turned round",
     check_heights(demo::read_terrain(folder / "t.flt"), {1.5, hole, -0.25, 4});
 }
 
-TEST_CASE("touch_terrain bil: the header may be called t.bil.hdr; ENVI's is read by GDAL or refused",
+TEST_CASE("touch_terrain bil: the header may be called t.bil.hdr, ENVI's is read by GDAL or refused",
           "[touch_terrain]") {
     const Folder folder;
     folder.samples<std::int16_t>("t.bil", {1, 2, 3, 4});

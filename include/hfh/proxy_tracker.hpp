@@ -299,10 +299,9 @@ private:
     }
     /// Whether the proxy is as far from the stylus as when it was left, but for rounding: so this is the same stylus.
     [[nodiscard]] bool still_left(const vec3<Scalar>& stylus) const noexcept {
-        const auto patch = field_->patch(state_.proxy.cell);
-        if (!patch) return false;
-        const vec3<Scalar> offset = offset_from(stylus, *patch);
-        return as_far(glm::dot(offset, offset), rounding(offset, *patch));
+        const auto found = descend(*field_, stylus, state_.proxy, 0);
+        return found.status == DescentStatus::work_limit &&
+               as_far(glm::dot(found.offset, found.offset), rounding(found.offset, found.point));
     }
     /// Proxy − stylus, where the proxy is on this patch.
     [[nodiscard]] vec3<Scalar> offset_from(const vec3<Scalar>& stylus,

@@ -277,8 +277,9 @@ template <HeightField Field>
         if (leaving) {
             const glm::dvec2 step = span.out - span.in;
             const double rise = f1 + patch.twist() * step.x * step.y; // f'(0) from f₀ = 0
-            f0 = 0;
-            if ((side == Side::above ? rise : -rise) <= options.leaves_within) {
+            const bool off = t == 0 && (side == Side::above ? f0 : -f0) > options.leaves_within;
+            if (!off) f0 = 0;
+            if (!off && (side == Side::above ? rise : -rise) <= options.leaves_within) {
                 under = side == Side::above ? f1 < 0 : f1 > 0;
                 result.t = span.t_in;
                 result.point = {span.cell, static_cast<T>(span.in.x), static_cast<T>(span.in.y)};
