@@ -290,8 +290,8 @@ struct FloorPath {
     [[nodiscard]] vec2<T> at(T along) const noexcept {
         return along_v ? vec2<T>{distance.best_u(along), along} : vec2<T>{along, distance.best_v(along)};
     }
-    /// Whether F falls on a short way from one place to another, as far as itself and its slope at nine places tell. Not
-    /// where the slope across the valley changes by half on the way: there the floor may bend too sharply for that.
+    /// Whether F falls on the way from one place to another. Told from F and its slope at nine places on it, so false where
+    /// the slope across the valley doubles or halves on the way: there the floor may bend too sharply to be told so.
     [[nodiscard]] bool falls(T from, T to) const noexcept {
         const T across = slope_across(from), across_there = slope_across(to);
         if (!(across * across_there > 0) || std::abs(across) > 2 * std::abs(across_there) ||

@@ -12,7 +12,7 @@ namespace hfh {
 enum class ContactStatus : unsigned char {
     free,          ///< above the surface (sheet: on either side), or on it
     contact,       ///< pressing: the proxy is the local closest point, the stylus is inside
-    descent_limit, ///< in contact, but the descent used up its work; the proxy goes on from here next time
+    descent_limit, ///< in contact, but slide or search used up their work; they go on from here next time
     sweep_limit,   ///< free so far, but the sweep used up its work; it goes on from there next time
     buried,      ///< solid: below the surface without having met it from above; feels nothing until out once
     off_surface, ///< no patch above or below: outside the grid or over a hole

@@ -309,10 +309,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     return {status, at, {x, y, z}, {nx, ny, nz}, x * nx + y * ny + z * nz, patches};
 }
 
-/// `descend`, beginning anew or going on.
-///
-/// Not inlined: where GCC 12 sees it, it forgets the rounding in (double)(float)x of a pair of x, and the query would not
-/// be the one that was given.
+/// `descend`, beginning anew or going on, for where it is not the hot path.
 template <HeightField Field>
 [[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
 descend_on(const Field& field, const vec3<typename Field::Scalar>& query,

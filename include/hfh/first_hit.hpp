@@ -40,9 +40,9 @@ struct FirstHitOptions {
     /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
-    /// ≥ 0: a was computed to lie on the surface, or off it on `side`, and where it is no more metres off than this, the
-    /// segment leaves it on `side`. Until it has, nothing is a crossing, and if the rounding put a beside a rim that is no
-    /// hole. If it ends on the other side without having left, it hits where it entered its last cell. < 0: no.
+    /// ≥ 0: the segment leaves a surface on which a was computed to lie, to `side`, and this many metres are the rounding
+    /// of a. As long as it is no farther off than that, nothing is a crossing, and a missing patch is no hole. If it ends on
+    /// the other side without having left, it hits where it entered its last cell. An a that is farther off has left. < 0: no.
     double leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
     /// of a cell: so that going on from `along(a, b, t)` with `side` gets on, and comes to the same end as one search.

@@ -35,7 +35,7 @@ enum class TrackerPhase : unsigned char {
     free,      ///< the surface has been searched up to the stylus
     searching, ///< free, but the search has not got to the stylus
     contact,   ///< the proxy is at its minimum and holds the stylus
-    sliding, ///< in contact, and the proxy on its way; or at a minimum that does not hold the stylus but for rounding
+    sliding, ///< in contact, and the proxy is on its way, or rests at a minimum that holds the stylus by rounding only
     releasing ///< at a minimum that does not hold the stylus: the way to it is searched, and not to its end yet
 };
 
@@ -90,8 +90,7 @@ public:
     /// One haptic update: the stylus is at `stylus` (world coordinates, metres). NaN, infinity and positions beyond
     /// the reach of cell numbers or of the scalar's squares are refused: status bad_input, state unchanged.
     ///
-    /// Not inlined: where GCC 12 sees how a float position was made, it forgets the rounding in (double)(float)x of a
-    /// pair of x, and the stylus that is swept would not be the one that was given.
+    /// Not inlined: beside an update a call is nothing, and the code is large.
     [[nodiscard, gnu::noinline]] Contact<Scalar> update(const vec3<Scalar>& stylus) noexcept {
         if (!is_finite(stylus) || !field_->lattice().reaches(stylus) || !is_height(stylus.z)) {
             return {.status = ContactStatus::bad_input};
@@ -139,6 +138,7 @@ private:
         state_.phase = Phase::contact;
         state_.side = hit.side;
         state_.proxy = hit.point;
+        // The way of one update counts for the slide; behind a search that was cut short lies more.
         if (!left_one) return follow(went_on ? to : from, stylus, patches);
         Work work{.patches = patches, .slide = slide_allowance(to, stylus)};
         DescentProgress<Scalar> progress;
@@ -161,8 +161,7 @@ private:
         return hit;
     }
 
-    /// Contact, and the stylus was at `before`: slides the proxy. Mostly it comes to a minimum that holds the stylus. Not
-    /// inlined for the reason that `descend` is not.
+    /// Contact, and the stylus was at `before`: slides the proxy. Mostly it comes to a minimum that holds the stylus.
     [[nodiscard, gnu::noinline]] Contact<Scalar> follow(const glm::dvec3& before, const vec3<Scalar>& stylus,
                                                         int patches) noexcept {
         Work work{.patches = patches, .slide = slide_allowance(before, stylus)};
