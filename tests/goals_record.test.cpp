@@ -2,9 +2,12 @@
 
 #include "catch.hpp"
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <fstream>
 #include <sstream>
+#include <string>
 
 // What bench writes down, and when it takes a goal for lost.
 
@@ -12,7 +15,8 @@ using namespace hfh::bench;
 
 namespace {
 
-constexpr const char* file = "goals_record_test.json";
+// Of this process alone: each of these tests may run beside another one.
+const std::string file = "goals_record_test_" + std::to_string(::getpid()) + ".json";
 const Machine here{"a \"processor\" of 2 \\ 3 GHz", "a compiler", "-O3"};
 
 Row timed(const char* name, double bound, std::optional<double> measured) {
@@ -29,7 +33,7 @@ Record written(const Findings& found) {
         write_json(out, here, found);
     }
     Record record = read_record(file);
-    std::remove(file);
+    std::remove(file.c_str());
     return record;
 }
 
@@ -72,7 +76,7 @@ TEST_CASE("goals record: what is written is read again") {
 }
 
 TEST_CASE("goals record: no file holds nothing") {
-    std::remove(file);
+    std::remove(file.c_str());
     const Record none = read_record(file);
     CHECK(none.numbers.empty());
     CHECK(none.workloads.empty());
