@@ -111,7 +111,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants among holes", "[proxy_tra
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants on real terrains without holes",
-                   "[proxy_tracker][law][real]", float, double) {
+                   "[proxy_tracker][law][real][ieee]", float, double) {
     for (const auto& name : real_terrains_without_holes) {
         if (const auto ground = real_terrain<TestType>(name))
             check_hand(name.c_str(), *ground, {}, 34, 40000);
@@ -119,7 +119,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants on real terrains without 
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants on real terrains with holes",
-                   "[proxy_tracker][law][real]", float, double) {
+                   "[proxy_tracker][law][real][ieee]", float, double) {
     for (const auto& name : real_terrains_with_holes) {
         if (const auto ground = real_terrain<TestType>(name))
             check_hand(name.c_str(), *ground, {}, 35, 40000);
