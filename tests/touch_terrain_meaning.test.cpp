@@ -313,8 +313,8 @@ TEST_CASE("touch_terrain map: degrees become metres at the middle latitude", "[t
     CHECK(contains(assumed[0], "north rim"));
     CHECK(at(45, 45.01, &assumed).x == Approx(78840).epsilon(1e-4));
     CHECK_FALSE(contains(assumed[0], "rim"));
-    for (const auto& [south, north] :
-         {std::pair{89.0, 91.0}, {100.0, 110.0}, {-400.0, 400.0}, {-91.0, -89.0}}) {
+    for (const auto& rims : {std::pair{89.0, 91.0}, {100.0, 110.0}, {-400.0, 400.0}, {-91.0, -89.0}}) {
+        const double south = rims.first, north = rims.second;
         CAPTURE(south, north);
         CHECK(contains(refusal([&] { return at(south, north); }), "--spacing"));
     }

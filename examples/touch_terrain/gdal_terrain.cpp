@@ -195,7 +195,7 @@ private:
     /// The lowest float is often written in so few digits that it is beyond all floats.
     template <class S>
     static S as_sample(double value) {
-        constexpr double most = std::numeric_limits<S>::max();
+        constexpr double most = static_cast<double>(std::numeric_limits<S>::max());
         if (!(std::abs(value) <= most)) {
             const bool rounded = std::abs(value) <= most * (1 + 1e-6);
             return rounded ? static_cast<S>(std::copysign(most, value)) : std::numeric_limits<S>::quiet_NaN();

@@ -56,7 +56,7 @@ void catch_signals() {
         if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler != SIG_DFL) continue;
         struct sigaction mine {};
         mine.sa_handler = remove_partial_files;
-        mine.sa_flags = SA_RESETHAND;
+        mine.sa_flags = static_cast<int>(SA_RESETHAND);
         sigemptyset(&mine.sa_mask);
         ::sigaction(signal, &mine, nullptr);
     }

@@ -102,9 +102,9 @@ public:
     static constexpr int max_delay = 8;
 
     /// Starts at rest at path(0).
-    constexpr SimulatedDevice(const DeviceModel& model, const HandGrip& grip, Path path,
-                              double seconds) requires std::same_as<Axes, SameAxes<MovingMass>> &&
-        std::same_as<Encoders, AxisEncoders>
+    template <class Same = Axes>
+        requires std::same_as<Same, SameAxes<MovingMass>> && std::same_as<Encoders, AxisEncoders>
+    constexpr SimulatedDevice(const DeviceModel& model, const HandGrip& grip, Path path, double seconds)
         : SimulatedDevice{model.capabilities,
                           {{model.mass, model.viscous, model.dry, grip.stiffness, grip.damping}},
                           {model.capabilities.resolution},
