@@ -189,7 +189,8 @@ TEST_CASE("touch_terrain gdal: holes of every kind", "[touch_terrain][gdal]") {
     check_heights(read(band<float>(folder, 1, {lowest, 2, 3, 4}, no_data("-3.40282347e+38"))),
                   {hole, 2, 3, 4});
     check_heights(read(band<float>(folder, 1, {0.1f, 2, 3, 4}, no_data("0.1"))), {hole, 2, 3, 4});
-    check_heights(read(band<double>(folder, 1, {-1e300, 2, nan, 4}, no_data("nan"))), {-1e300, 2, hole, 4});
+    check_heights(read(band<double>(folder, 1, {-1e300, 2, static_cast<double>(nan), 4}, no_data("nan"))),
+                  {-1e300, 2, hole, 4});
 
     const std::string alpha = "<ColorInterp>Alpha</ColorInterp>", grey = "<ColorInterp>Gray</ColorInterp>";
     const auto with_alpha = read(band<std::uint8_t>(folder, 1, {1, 2, 3, 4}, grey) +
