@@ -64,15 +64,15 @@ struct TrackerState {
 /// proxy → stylus is cast before the proxy is freed, for the stylus can have left one face and be below another
 /// already; a crossing on it is a new contact in the same update (the paper frees at once). Slide and search may take
 /// more than one update (`TrackerOptions`): the contact holds until they have come to an end, and is felt while the
-/// stylus has the surface over it.
+/// stylus has the surface over it, or is inside of the face that the proxy is on.
 ///
 /// On a solid without holes, for a stylus that was outside once and stays over the grid: never free while below the
 /// surface, and once in contact felt in every update in which it is below, whatever the options are. With status
 /// `contact` no patch at the proxy has a descent direction. A stylus that starts below the surface, or comes in below it
 /// from the side, feels nothing until it has been outside. Edited heights are felt at the next update. `update` is
 /// noexcept, allocates nothing and looks at no more than `max_patches` + 16 patches, but for those at the proxy and over
-/// the stylus, at which it looks once more. At rest the proxy arrives: with the
-/// same stylus again and again the updates come to do the same, to the bit.
+/// the stylus, at which it looks once more. At rest the proxy arrives: with the same stylus again and again the updates
+/// come to do the same, to the bit.
 ///
 /// Keeps a pointer to the field, which must outlive it.
 template <HeightField Field>
@@ -372,8 +372,8 @@ private:
                                                             const DescentResult<Scalar>& found,
                                                             ContactStatus status, bool felt,
                                                             int patches) const noexcept {
-        const vec3<Scalar> penetration =
-            felt ? found.offset : vec3<Scalar>{0}; // never a pull towards the surface
+        // A stylus that is outside is not pulled back to the surface.
+        const vec3<Scalar> penetration = felt ? found.offset : vec3<Scalar>{0};
         return {.status = status,
                 .side = state_.side,
                 .patches = patches,
