@@ -1,7 +1,7 @@
 #include "run.hpp"
 #include "segments.hpp"
 
-#include <hfh/candidate_walker.hpp>
+#include <hfh/traversal/candidate_walker.hpp>
 
 namespace hfh::bench {
 namespace {

@@ -1,7 +1,7 @@
 #include "../tests/support/random.hpp"
 #include "run.hpp"
 
-#include <hfh/closest_point.hpp>
+#include <hfh/geometry/closest_point.hpp>
 
 #include <algorithm>
 #include <cmath>

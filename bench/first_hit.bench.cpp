@@ -1,7 +1,7 @@
 #include "run.hpp"
 #include "segments.hpp"
 
-#include <hfh/first_hit.hpp>
+#include <hfh/traversal/first_hit.hpp>
 
 namespace hfh::bench {
 namespace {

@@ -1,19 +1,19 @@
 #include "run.hpp"
 #include "terrain.hpp"
 
-#include <hfh/damping.hpp>
-#include <hfh/force_shading.hpp>
-#include <hfh/friction.hpp>
-#include <hfh/level_beyond.hpp>
-#include <hfh/proxy_tracker.hpp>
-#include <hfh/raised_field.hpp>
+#include <hfh/contact/force_shading.hpp>
+#include <hfh/contact/friction.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/force/damping.hpp>
+#include <hfh/terrain/dilated_field.hpp>
+#include <hfh/terrain/extended_field.hpp>
 
 // What each optional piece adds to an update: a hand that slides in a circle, half a cell deep, half a cell an update.
 
 namespace hfh::bench {
 namespace {
 
-enum class Piece { none, damping, shading, friction, level_beyond, all_of_these };
+enum class Piece { none, damping, shading, friction, extended_field, all_of_these };
 
 constexpr std::size_t length = 4096;
 
@@ -73,9 +73,9 @@ void register_scalar(const TerrainKind& kind, std::size_t number) {
     on_grid.template operator()<Piece::damping>("damping");
     on_grid.template operator()<Piece::shading>("shading");
     on_grid.template operator()<Piece::friction>("friction");
-    add(name("level_beyond"), [=](benchmark::State& state) {
+    add(name("extended_field"), [=](benchmark::State& state) {
         const auto grid = ground().template grid<T>();
-        slide<Piece::none>(state, ground(), LevelBeyond{grid}, 0);
+        slide<Piece::none>(state, ground(), ExtendedField{grid}, 0);
     });
     on_grid.template operator()<Piece::all_of_these>("damping_shading_friction");
     for (const double cells : {0.5, 1.0, 2.0}) {
@@ -85,7 +85,7 @@ void register_scalar(const TerrainKind& kind, std::size_t number) {
             add(name(what), [=](benchmark::State& state) {
                 const auto grid = ground().template grid<T>();
                 const double r = cells * ground().cell();
-                slide<Piece::none>(state, ground(), RaisedField{grid, static_cast<T>(r), finer}, r);
+                slide<Piece::none>(state, ground(), DilatedField{grid, static_cast<T>(r), finer}, r);
             });
         }
     }

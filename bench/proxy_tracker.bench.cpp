@@ -1,8 +1,8 @@
 #include "dependent_evaluation.hpp"
 #include "trace.hpp"
 
-#include <hfh/force_evaluator.hpp>
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/force/force_evaluator.hpp>
 
 #include <memory>
 #include <optional>

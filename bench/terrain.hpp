@@ -1,7 +1,7 @@
 #ifndef HFH_BENCH_TERRAIN_HPP
 #define HFH_BENCH_TERRAIN_HPP
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <algorithm>
 #include <bit>

@@ -5,7 +5,7 @@
 #include "run.hpp"
 #include "wander.hpp"
 
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
 
 #include <limits>
 

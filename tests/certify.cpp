@@ -14,8 +14,8 @@
 #include "support/step_judge.hpp"
 #include "support/witness.hpp"
 
-#include <hfh/force_evaluator.hpp>
-#include <hfh/global_closest_point.hpp>
+#include <hfh/force/force_evaluator.hpp>
+#include <hfh/geometry/global_closest_point.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -375,7 +375,7 @@ void limited() {
     each_terrain<T>([&](const char* terrain, Terrain<T> ground) {
         ground.frame.spacing = glm::min(ground.frame.spacing, glm::dvec2{10.0});
         for (const int slide : {1, 8, 64}) {
-            Witness<T> witness{ground, {.max_slide = slide}};
+            Witness<T> witness{ground, {.max_contact_patches = slide}};
             long on_the_way = 0;
             const auto follow = [&](auto&& hand, long count) {
                 witness.reset();
@@ -387,14 +387,14 @@ void limited() {
                 for (const double deep : {0.5, 5.0}) follow(Plough<T>{ground, step, deep, 110}, counted(2e4));
             }
             if (witness.faults > 0) std::printf("  %s\n", witness.first_fault.c_str());
-            report(
-                "limited", name<T>,
-                text("%s, max_slide %d, %d updates, %.0f %% in contact, %.2f %% with a proxy on its way, %d "
-                     "dropped, %d other faults, at most %d patches",
-                     terrain, slide, witness.updates, 100.0 * witness.contacts / witness.updates,
-                     100.0 * static_cast<double>(on_the_way) / witness.updates, witness.dropped,
-                     witness.faults - witness.dropped, witness.most_patches),
-                witness.faults);
+            report("limited", name<T>,
+                   text("%s, max_contact_patches %d, %d updates, %.0f %% in contact, %.2f %% with a proxy on "
+                        "its way, %d "
+                        "dropped, %d other faults, at most %d patches",
+                        terrain, slide, witness.updates, 100.0 * witness.contacts / witness.updates,
+                        100.0 * static_cast<double>(on_the_way) / witness.updates, witness.dropped,
+                        witness.faults - witness.dropped, witness.most_patches),
+                   witness.faults);
         }
     });
 }
@@ -413,7 +413,7 @@ void strokes() {
         const auto ground = hard_ground<T>(kind, random);
         const TrackerOptions options{.surface = random.one_in(5) ? SurfaceKind::sheet : SurfaceKind::solid,
                                      .max_patches = any_limit(random),
-                                     .max_slide = any_limit(random)};
+                                     .max_contact_patches = any_limit(random)};
         LimitedWork<T> work{ground, options};
         work.judges_rest = rests_are_resolved(ground);
         stroke_about(work, ground, random);

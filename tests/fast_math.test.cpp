@@ -2,14 +2,14 @@
 #include "support/numbers.hpp"
 #include "support/terrains.hpp"
 
-#include <hfh/damping.hpp>
-#include <hfh/force_evaluator.hpp>
-#include <hfh/friction.hpp>
-#include <hfh/height_bounds.hpp>
-#include <hfh/lattice.hpp>
-#include <hfh/proxy_tracker.hpp>
-#include <hfh/raised_field.hpp>
-#include <hfh/steady_position.hpp>
+#include <hfh/contact/friction.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/device/limit_cycle_filter.hpp>
+#include <hfh/force/damping.hpp>
+#include <hfh/force/force_evaluator.hpp>
+#include <hfh/geometry/lattice.hpp>
+#include <hfh/terrain/dilated_field.hpp>
+#include <hfh/terrain/min_max_pyramid.hpp>
 
 #include <array>
 #include <vector>
@@ -69,11 +69,11 @@ TEMPLATE_TEST_CASE("fast_math: a sample that is no number is a hole, in a grid a
                     CHECK(grid.patch({k, j}).has_value() == !touches);
                 }
             }
-            std::vector<SampleRange<T>> storage(static_cast<std::size_t>(HeightBounds<T>::size(side, side)));
+            std::vector<SampleRange<T>> storage(static_cast<std::size_t>(MinMaxPyramid<T>::size(side, side)));
             BoundedGrid bounded{grid, storage.data(), std::ssize(storage)};
-            REQUIRE(bounded.build() == BoundsStatus::ok);
-            const Cell block{glm::min(i, side - 2) >> HeightBounds<T>::block_bits,
-                             Index{40} >> HeightBounds<T>::block_bits};
+            REQUIRE(bounded.build() == PyramidStatus::ok);
+            const Cell block{glm::min(i, side - 2) >> MinMaxPyramid<T>::block_bits,
+                             Index{40} >> MinMaxPyramid<T>::block_bits};
             CHECK(bounded.bounds().range(0, block).holed());
             CHECK_FALSE(bounded.bounds().range(0, {1, 0}).holed());
             ProxyTracker tracker{grid};
@@ -126,7 +126,7 @@ TEMPLATE_TEST_CASE("fast_math: parameters that are no numbers give no force", "[
         CHECK(Damping<T>{T(1), T(1)}(force, contact, {1, bad, 1}).newtons.z == T(250));
         Friction<T> friction{{bad, T(0.5)}};
         CHECK(friction.hold(grid, contact, stylus).penetration == contact.penetration);
-        CHECK(RaisedField{grid, bad}.radius() == 0);
+        CHECK(DilatedField{grid, bad}.radius() == 0);
         const GridFrame frames[]{{.origin = {widen(bad), 0}},
                                  {.spacing = {1, widen(bad)}},
                                  {.height_scale = widen(bad)},
@@ -136,7 +136,7 @@ TEMPLATE_TEST_CASE("fast_math: parameters that are no numbers give no force", "[
                       .cells()
                       .empty());
         }
-        SteadyPosition steady{widen(bad)};
+        LimitCycleFilter steady{widen(bad)};
         bool passed = true;
         for (int k = 0; k < 9; ++k) passed = passed && steady({k % 2 * 1.0, 0, 0}).x == k % 2;
         CHECK(passed);

@@ -4,12 +4,12 @@
 #include "support/hard_patches.hpp"
 #include "support/witness.hpp"
 
-#include <hfh/candidate_walker.hpp>
-#include <hfh/closest_point.hpp>
-#include <hfh/descent.hpp>
-#include <hfh/first_hit.hpp>
-#include <hfh/global_closest_point.hpp>
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/geometry/closest_point.hpp>
+#include <hfh/geometry/global_closest_point.hpp>
+#include <hfh/traversal/candidate_walker.hpp>
+#include <hfh/traversal/descent.hpp>
+#include <hfh/traversal/first_hit.hpp>
 
 #include <algorithm>
 #include <cmath>

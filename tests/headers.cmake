@@ -1,26 +1,12 @@
-# Run by CTest: cmake -D INCLUDE_DIR=... -P headers.cmake
-# Checks that the headers include each other only downward, and little else.
+# Run by CTest: cmake -D SOURCE_DIR=... -P headers.cmake
+# Checks by the list in cmake/headers.cmake that the headers include each other only downward, and little else, and that the
+# pages which list them list them all.
 cmake_minimum_required(VERSION 3.25)
+include(${SOURCE_DIR}/cmake/headers.cmake)
+set(include_dir ${SOURCE_DIR}/include/hfh)
 
-# A header may include those that stand before it. The grid stands behind the algorithms, so none can depend on it. What
-# stands behind hfh is included by name: a scene that does not use it does not pay for it in compile time either.
-set(order
-    version
-    scalar
-    height_view lattice surface
-    bilinear_patch contact
-    height_field
-    candidate_walker clear_stretch first_hit closest_point global_closest_point descent
-    proxy_tracker
-    bilinear_grid
-    force_evaluator
-    hfh
-    device
-    damping force_shading friction_cone friction level_beyond raised_field
-    height_bounds
-    workspace guard_limits sample_check force_guard latest_value
-    moving_mass driven_axis end_stops encoders simulated_device
-    virtual_coupling passivity_observer energy_tank steady_position)
+# Algorithms take any height field; the grid is for who makes one.
+set(may_include_bilinear_grid hfh terrain min_max_pyramid)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)
@@ -29,40 +15,84 @@ set(only_force_evaluator contact scalar)
 set(forbidden iostream string vector functional glm/glm.hpp)
 
 set(complaints "")
-cmake_path(ABSOLUTE_PATH INCLUDE_DIR)
-file(GLOB headers RELATIVE ${INCLUDE_DIR} ${INCLUDE_DIR}/*.hpp)
-if(NOT headers)
-    message(FATAL_ERROR "no headers in ${INCLUDE_DIR}")
-endif()
-foreach(header IN LISTS headers)
-    cmake_path(GET header STEM name)
-    list(FIND order ${name} place)
-    if(place EQUAL -1)
-        list(APPEND complaints "${header} has no place in the order of tests/headers.cmake")
-        continue()
+file(GLOB_RECURSE found RELATIVE ${include_dir} ${include_dir}/*.hpp)
+foreach(header IN LISTS found)
+    if(NOT header IN_LIST hfh_headers)
+        list(APPEND complaints "${header} has no place in the list of cmake/headers.cmake")
     endif()
+endforeach()
 
-    file(STRINGS ${INCLUDE_DIR}/${header} lines REGEX "^[ \t]*#[ \t]*include")
+# The complaint about `header` including `other`, if there is one: both of the form room/name.hpp, or name.hpp.
+function(complain_about header other)
+    cmake_path(GET header STEM name)
+    cmake_path(GET other STEM other_name)
+    cmake_path(GET header PARENT_PATH room)
+    cmake_path(GET other PARENT_PATH other_room)
+    set(why "")
+    if(NOT other IN_LIST hfh_headers)
+        set(why "which is not in the list of cmake/headers.cmake")
+    elseif(other_name STREQUAL "bilinear_grid" AND NOT name IN_LIST may_include_bilinear_grid)
+        set(why "though it is to work on every height field")
+    elseif(DEFINED only_${name} AND NOT other_name IN_LIST only_${name})
+        set(why "but may include only: ${only_${name}}")
+    elseif(room STREQUAL "") # hfh.hpp and those of a room look into rooms
+        if(other_room STREQUAL "" AND NOT other STREQUAL "version.hpp")
+            set(why "an umbrella header")
+        endif()
+    elseif(other_room STREQUAL "")
+        set(why "which is for users")
+    elseif(other_room STREQUAL room)
+        list(FIND hfh_in_${room} ${name} place)
+        list(FIND hfh_in_${room} ${other_name} other_place)
+        if(NOT other_place LESS place)
+            set(why "which does not stand before it")
+        endif()
+    elseif(NOT other_room IN_LIST hfh_below_${room})
+        set(why "but ${room} may not look into ${other_room}")
+    endif()
+    if(why)
+        set(complaints ${complaints} "${header} includes ${other}, ${why}" PARENT_SCOPE)
+    endif()
+endfunction()
+
+foreach(header IN LISTS hfh_headers)
+    file(STRINGS ${include_dir}/${header} lines REGEX "^[ \t]*#[ \t]*include")
+    set(included_here "")
     foreach(line IN LISTS lines)
         string(REGEX REPLACE ".*[<\"](.*)[>\"].*" "\\1" included "${line}")
         if(included IN_LIST forbidden)
             list(APPEND complaints "${header} includes <${included}>, which no header may")
         endif()
-        if(included MATCHES "^(hfh/)?([a-z_]+)\\.hpp$")
-            set(other ${CMAKE_MATCH_2})
-            list(FIND order ${other} other_place)
-            if(NOT other_place LESS place)
-                list(APPEND complaints "${header} includes ${other}.hpp, which does not stand before it")
-            elseif(DEFINED only_${name} AND NOT other IN_LIST only_${name})
-                list(APPEND complaints "${header} includes ${other}.hpp, but may include only: ${only_${name}}")
-            endif()
+        if(included MATCHES "\\.hpp$" AND NOT included MATCHES "^glm/")
+            string(REGEX REPLACE "^hfh/" "" included "${included}")
+            complain_about(${header} ${included})
+            list(APPEND included_here ${included})
         endif()
     endforeach()
+    cmake_path(GET header STEM room)
+    if(room IN_LIST hfh_rooms AND header STREQUAL "${room}.hpp")
+        foreach(name IN LISTS hfh_in_${room})
+            if(NOT "${room}/${name}.hpp" IN_LIST included_here)
+                list(APPEND complaints "${header} leaves out ${room}/${name}.hpp")
+            endif()
+        endforeach()
+    endif()
 endforeach()
+
+# The page of the rooms lists the headers in the order of the list.
+file(STRINGS ${include_dir}/README.md rows REGEX "^\\| `[a-z_/]+\\.hpp` \\|")
+list(TRANSFORM rows REPLACE "^\\| `([a-z_/]+\\.hpp)` \\|.*" "\\1")
+set(expected ${hfh_headers})
+foreach(room IN LISTS hfh_rooms)
+    list(REMOVE_ITEM expected ${room}.hpp)
+endforeach()
+if(NOT rows STREQUAL expected)
+    list(APPEND complaints "the tables of include/hfh/README.md list\n    ${rows}\n  where cmake/headers.cmake has\n    ${expected}")
+endif()
 
 if(complaints)
     list(JOIN complaints "\n  " complaints)
     message(FATAL_ERROR "\n  ${complaints}")
 endif()
-list(LENGTH headers count)
+list(LENGTH hfh_headers count)
 message(STATUS "${count} headers include downward only")

@@ -2,24 +2,24 @@
 // enough shows at link time, what only compiles when unused shows here. Compiled a second time without exceptions and
 // without RTTI.
 
-#include <hfh/damping.hpp>
-#include <hfh/driven_axis.hpp>
-#include <hfh/end_stops.hpp>
-#include <hfh/energy_tank.hpp>
-#include <hfh/force_guard.hpp>
-#include <hfh/force_shading.hpp>
-#include <hfh/friction.hpp>
-#include <hfh/friction_cone.hpp>
-#include <hfh/height_bounds.hpp>
+#include <hfh/contact/force_shading.hpp>
+#include <hfh/contact/friction.hpp>
+#include <hfh/contact/friction_cone.hpp>
+#include <hfh/device/force_guard.hpp>
+#include <hfh/device/limit_cycle_filter.hpp>
+#include <hfh/device/triple_buffer.hpp>
+#include <hfh/device/workspace.hpp>
+#include <hfh/force/damping.hpp>
+#include <hfh/force/energy_tank.hpp>
+#include <hfh/force/passivity_observer.hpp>
+#include <hfh/force/virtual_coupling.hpp>
 #include <hfh/hfh.hpp>
-#include <hfh/latest_value.hpp>
-#include <hfh/level_beyond.hpp>
-#include <hfh/passivity_observer.hpp>
-#include <hfh/raised_field.hpp>
-#include <hfh/simulated_device.hpp>
-#include <hfh/steady_position.hpp>
-#include <hfh/virtual_coupling.hpp>
-#include <hfh/workspace.hpp>
+#include <hfh/simulation/driven_axis.hpp>
+#include <hfh/simulation/end_stops.hpp>
+#include <hfh/simulation/simulated_device.hpp>
+#include <hfh/terrain/dilated_field.hpp>
+#include <hfh/terrain/extended_field.hpp>
+#include <hfh/terrain/min_max_pyramid.hpp>
 
 #include <cstdint>
 
@@ -55,8 +55,8 @@ template struct TrackerState<float>;
 template struct TrackerState<double>;
 template class Workspace<float>;
 template class Workspace<double>;
-template class LatestValue<TrackerState<float>>;
-template class LatestValue<DeviceSample>;
+template class TripleBuffer<TrackerState<float>>;
+template class TripleBuffer<DeviceSample>;
 
 #define HFH_TEST_INSTANTIATE(S)                                                                              \
     template class HeightView<S>;                                                                            \
@@ -65,16 +65,16 @@ template class LatestValue<DeviceSample>;
     template class BilinearGrid<double, HeightView<S>>;                                                      \
     template class BilinearGrid<float, HeightView<S, MissingValue<S>>>;                                      \
     template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
-    template class LevelBeyond<BilinearGrid<float, HeightView<S>>>;                                          \
-    template class LevelBeyond<BilinearGrid<double, HeightView<S>>>;                                         \
-    template class RaisedField<BilinearGrid<float, HeightView<S>>>;                                          \
-    template class RaisedField<BilinearGrid<double, HeightView<S>>>;                                         \
+    template class ExtendedField<BilinearGrid<float, HeightView<S>>>;                                        \
+    template class ExtendedField<BilinearGrid<double, HeightView<S>>>;                                       \
+    template class DilatedField<BilinearGrid<float, HeightView<S>>>;                                         \
+    template class DilatedField<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
     template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
     template struct SampleRange<S>;                                                                          \
-    template class HeightBounds<S>;                                                                          \
+    template class MinMaxPyramid<S>;                                                                         \
     template class BoundedGrid<float, HeightView<S>>;                                                        \
     template class BoundedGrid<double, HeightView<S, MissingValue<S>>>;                                      \
     template class ProxyTracker<BoundedGrid<float, HeightView<S>>>;                                          \
@@ -98,7 +98,7 @@ struct Still {
 
 } // namespace
 
-template struct EndStops<MovingMass>;
+template struct EndStops<StickSlipMass>;
 template struct EndStops<DrivenAxis>;
 template class SimulatedDevice<Still>;
 template class SimulatedDevice<Still, OwnAxes<EndStops<DrivenAxis>>, JointEncoders>;
@@ -109,7 +109,7 @@ namespace {
 [[maybe_unused]] bool use_device() {
     SimulatedDevice device{simulated_touch, {}, Still{}, 0.01};
     EnergyTank tank;
-    SteadyPosition steady{simulated_touch.capabilities.resolution};
+    LimitCycleFilter steady{simulated_touch.capabilities.resolution};
     VirtualCoupling coupling{{.stiffness = 500}};
     PassivityObserver observer{simulated_touch.capabilities.resolution};
     return device.run([&](const DeviceSample& sample) -> DeviceCommand {
@@ -143,16 +143,16 @@ template <Real T, Sample S>
     const auto nearest = global_closest_point(BilinearPatch<T>{}, CellPoint<T>{});
     const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
     const auto contact = tracker.update({T(1), T(1), T(300)});
-    const LevelBeyond level{holed_grid};
-    const RaisedField raised{level, T(1), 2};
+    const ExtendedField level{holed_grid};
+    const DilatedField raised{level, T(1), 2};
     ProxyTracker level_tracker{raised};
     const vec3<T> stylus{T(1), T(1), T(1)};
     Friction<T> friction{};
     const auto shaded = friction.hold(raised, shade_force(raised, level_tracker.update(stylus)), stylus);
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
-           nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == BoundsStatus::ok &&
-           bounded.update({{1, 1}, {2, 2}}) == BoundsStatus::ok &&
+           nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == PyramidStatus::ok &&
+           bounded.update({{1, 1}, {2, 2}}) == PyramidStatus::ok &&
            bounded.block_range(0, {0, 0}, {0, 0}).lowest < 300 &&
            bounded_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&
            holed_tracker.update({T(1), T(1), T(300)}).depth >= 0 && to_string(contact.status) != nullptr;

@@ -2,11 +2,11 @@
 // it is near by, and at the far end of its cells nothing overflows. A program of its own without a test framework, which is
 // seldom there for the other target.
 
-#include <hfh/bilinear_grid.hpp>
-#include <hfh/force_evaluator.hpp>
-#include <hfh/level_beyond.hpp>
-#include <hfh/proxy_tracker.hpp>
-#include <hfh/raised_field.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/force/force_evaluator.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
+#include <hfh/terrain/dilated_field.hpp>
+#include <hfh/terrain/extended_field.hpp>
 
 #include <array>
 #include <cstdio>
@@ -97,9 +97,9 @@ void check_scalar() {
     // A grid that goes on beyond its rim, and that raised by a tip.
     const std::array<T, 16> samples{};
     const BilinearGrid<T, HeightView<T>> grid{HeightView{samples.data(), 4, 4}, {}};
-    const LevelBeyond beyond{grid};
+    const ExtendedField beyond{grid};
     check_strokes(beyond, {500'000, 5'300'000}, 1, "beyond a grid");
-    const RaisedField raised{beyond, T(0.25), 1000};
+    const DilatedField raised{beyond, T(0.25), 1000};
     check(raised.cells().last.i == CellRange::endless().last.i, "cut at the last cell that can be numbered");
     check(raised.height(2'000'000, 300'000'000).has_value(), "raised, far out");
 }

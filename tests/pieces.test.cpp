@@ -3,12 +3,12 @@
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
 
-#include <hfh/damping.hpp>
-#include <hfh/force_shading.hpp>
-#include <hfh/friction.hpp>
+#include <hfh/contact/force_shading.hpp>
+#include <hfh/contact/friction.hpp>
+#include <hfh/force/damping.hpp>
 #include <hfh/hfh.hpp>
-#include <hfh/level_beyond.hpp>
-#include <hfh/raised_field.hpp>
+#include <hfh/terrain/dilated_field.hpp>
+#include <hfh/terrain/extended_field.hpp>
 
 // The optional pieces, all at once; and that a scene without them is as small as before they existed. That its code is
 // the same too is a test of its own, plain_scene in CMakeLists.txt.
@@ -32,8 +32,8 @@ TEMPLATE_TEST_CASE("pieces: work together, on solid and sheet, allocate nothing,
             const glm::dvec2 low = ground.low(), high = ground.high(), cell = ground.frame.spacing;
             const Surface<T> surface{ground};
 
-            const LevelBeyond field{grid};
-            const RaisedField raised{field, static_cast<T>(0.5 * cell.x)};
+            const ExtendedField field{grid};
+            const DilatedField raised{field, static_cast<T>(0.5 * cell.x)};
             ProxyTracker tracker{raised, {.surface = kind}};
             Friction<T> friction{{T(0.5), T(0.25)}};
             VelocityFilter<T> velocity{T(100)};
@@ -83,7 +83,7 @@ TEMPLATE_TEST_CASE("pieces: on level ground with a still hand they change nothin
     using T = TestType;
     const auto ground = plane<T>(9, 9, 0.5);
     const auto grid = ground.grid();
-    const LevelBeyond field{grid};
+    const ExtendedField field{grid};
     ProxyTracker tracker{field};
     ProxyTracker plain{grid};
     Friction<T> friction{};

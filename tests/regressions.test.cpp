@@ -190,7 +190,7 @@ TEMPLATE_TEST_CASE("descend: does not creep up to a grid line along which the gr
 
 // Limited work, and numbers at the end of their range.
 
-TEST_CASE("proxy_tracker: a stylus at rest below level ground is felt with max_slide 8",
+TEST_CASE("proxy_tracker: a stylus at rest below level ground is felt with max_contact_patches 8",
           "[proxy_tracker][limited][regression]") {
     // The cast from the proxy shared the allowance of the slide and was cut short in every update: no force for ever.
     auto made = plane<double>(26, 49, 0, {.spacing = {0.037022154992908451, 0.037022154992908451}});
@@ -203,7 +203,7 @@ TEST_CASE("proxy_tracker: a stylus at rest below level ground is felt with max_s
     const auto grid = made.grid();
     for (const int slide : {1, 2, 4, 8, 8192}) {
         CAPTURE(slide);
-        ProxyTracker tracker{grid, {.max_slide = slide}};
+        ProxyTracker tracker{grid, {.max_contact_patches = slide}};
         (void)tracker.update({0, 0, 0});
         (void)tracker.update({0.56, 0.8, 0});
         REQUIRE(tracker.update({0.8, 1, -2}).touching());
@@ -222,7 +222,7 @@ TEST_CASE("proxy_tracker: a stylus at rest below level ground is felt with max_s
 }
 
 TEMPLATE_TEST_CASE(
-    "proxy_tracker: a stylus dragged below a spur of the Spanish Peaks is felt with max_slide 8",
+    "proxy_tracker: a stylus dragged below a spur of the Spanish Peaks is felt with max_contact_patches 8",
     "[proxy_tracker][limited][regression]", float, double) {
     // 28 samples of examples/data/spanish_peaks.png as if 10 m apart. Moved to 50 m below the ground, the stylus lost its
     // force for an update, and got it back with a jump.
@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE(
     const BilinearGrid<TestType, HeightView<short>> grid{view, {.spacing = {10, 10}}};
     for (const int slide : {1, 2, 4, 8, 8192}) {
         CAPTURE(slide);
-        ProxyTracker tracker{grid, {.max_slide = slide}};
+        ProxyTracker tracker{grid, {.max_contact_patches = slide}};
         (void)tracker.update({TestType(16), TestType(11), TestType(2706)});
         REQUIRE(tracker.update({TestType(15.75), TestType(28.5), TestType(2657)}).touching());
         for (int k = 0; k < 100; ++k) {
@@ -319,7 +319,7 @@ TEMPLATE_TEST_CASE("proxy_tracker: at rest on level ground with a fold it does n
     const auto grid = made.grid();
     for (const int slide : {1, 8, 8192}) {
         CAPTURE(slide);
-        ProxyTracker tracker{grid, {.max_slide = slide}};
+        ProxyTracker tracker{grid, {.max_contact_patches = slide}};
         (void)tracker.update({T(4.522), T(4.29), T(0)});
         (void)tracker.update({T(4.52), T(4.29), T(-0.01)});
         const vec3<T> rest{T(4.5218014717102051), T(4.2881002426147461), T(-0.003774052020162344)};
@@ -438,7 +438,7 @@ TEMPLATE_TEST_CASE("proxy_tracker: ground that is edited while a descent is unde
         auto ground = rough<T>(12, 11, 30, static_cast<std::uint64_t>(n + 1));
         const auto grid = ground.grid();
         const TrackerOptions little{.max_patches = static_cast<int>(random.whole(1, 6)),
-                                    .max_slide = static_cast<int>(random.whole(1, 6))};
+                                    .max_contact_patches = static_cast<int>(random.whole(1, 6))};
         ProxyTracker tracker{grid, little};
         const auto over = [&](double z) {
             return vec3<T>{static_cast<T>(random.between(3, 8)), static_cast<T>(random.between(3, 7)),

@@ -5,7 +5,7 @@
 #include "oracle.hpp"
 #include "paper_newton.hpp"
 
-#include <hfh/global_closest_point.hpp>
+#include <hfh/geometry/global_closest_point.hpp>
 
 #include <memory>
 #include <string>

@@ -1,8 +1,8 @@
 #ifndef HFH_BENCH_ACCURACY_QUERY_SETS_HPP
 #define HFH_BENCH_ACCURACY_QUERY_SETS_HPP
 
-#include <hfh/bilinear_patch.hpp>
-#include <hfh/lattice.hpp>
+#include <hfh/geometry/bilinear_patch.hpp>
+#include <hfh/geometry/lattice.hpp>
 
 #include <random.hpp>
 #include <real_terrains.hpp>

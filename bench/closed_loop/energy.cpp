@@ -1,9 +1,9 @@
 #include "hand.hpp"
 #include "report.hpp"
 
-#include <hfh/energy_tank.hpp>
-#include <hfh/passivity_observer.hpp>
-#include <hfh/virtual_coupling.hpp>
+#include <hfh/force/energy_tank.hpp>
+#include <hfh/force/passivity_observer.hpp>
+#include <hfh/force/virtual_coupling.hpp>
 
 // The energy that the rendered force gives to the hand, over presses and strokes that start and end in the air.
 

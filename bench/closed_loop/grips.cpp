@@ -1,9 +1,9 @@
 #include "hand.hpp"
 #include "report.hpp"
 
-#include <hfh/driven_axis.hpp>
-#include <hfh/steady_position.hpp>
-#include <hfh/virtual_coupling.hpp>
+#include <hfh/device/limit_cycle_filter.hpp>
+#include <hfh/force/virtual_coupling.hpp>
+#include <hfh/simulation/driven_axis.hpp>
 
 // From a light grip to a firm one, with a delay, an amplifier that lags and a linkage that gives: how stiff may a wall be?
 
@@ -122,7 +122,7 @@ template <class Axis, class Encoders>
     for (int n = 0; n < count; ++n) {
         const Press press{(0.5 + 2.5 * (n + 0.5) / count) / axis.spring};
         hfh::SimulatedDevice device{able, hfh::SameAxes<Axis>{axis}, encoders, press, 2};
-        hfh::SteadyPosition steady{links.steadies ? able.resolution : 0};
+        hfh::LimitCycleFilter steady{links.steadies ? able.resolution : 0};
         hfh::VirtualCoupling coupling{
             {.stiffness = links.coupled ? stiffness : 0, .lag = 0.5 + able.delay + lag / period}};
         double low = 1e300, high = -1e300;
@@ -199,10 +199,10 @@ void matrix(const Effort& effort, Findings& findings) {
 
 void steadied(const Effort& effort, Findings& findings) {
     Findings::Table table{
-        "What `SteadyPosition` cures: presses of flat ground on the Premium 1.5 that do not come to "
+        "What `LimitCycleFilter` cures: presses of flat ground on the Premium 1.5 that do not come to "
         "rest, and by how much they swing. 3500 and 2667 N/m are more than its loop bears in a light "
         "grip",
-        {"grip, N/m and N·s/m", "N/m", "encoders", "as told", "`SteadyPosition`", "`VirtualCoupling`",
+        {"grip, N/m and N·s/m", "N/m", "encoders", "as told", "`LimitCycleFilter`", "`VirtualCoupling`",
          "both"},
         {}};
     const auto& premium = hfh::simulated_premium;
@@ -213,8 +213,8 @@ void steadied(const Effort& effort, Findings& findings) {
     for (const auto& grip : {grips[1], grips[0]}) {
         for (const double stiffness : {3500.0, 2 * premium.dry / step, premium.capabilities.max_stiffness}) {
             for (const bool joints : {false, true}) {
-                const hfh::MovingMass axis{premium.mass, premium.viscous, premium.dry, grip.stiffness,
-                                           grip.damping};
+                const hfh::StickSlipMass axis{premium.mass, premium.viscous, premium.dry, grip.stiffness,
+                                              grip.damping};
                 const auto found = [&](const Links& links) {
                     return (joints
                                 ? tremor(premium, axis, 0, stiffness, arm, links, count)

@@ -5,7 +5,7 @@
 #include "random.hpp"
 #include "reference.hpp"
 
-#include <hfh/simulated_device.hpp>
+#include <hfh/simulation/simulated_device.hpp>
 
 #include <glm/geometric.hpp>
 

@@ -26,7 +26,7 @@ template <hfh::Real T>
                         verdict(all.lag.jammed == 0 && all.lag.contacts > 0)});
     all.rows.push_back({"… updates in contact that the tracker did not finish (descent_limit)", "0",
                         text("%ld", all.lag.unfinished), verdict(all.lag.unfinished == 0)});
-    all.rows.push_back({"… the same with `max_slide` = 8, in the hand: the proxy is on its way", "",
+    all.rows.push_back({"… the same with `max_contact_patches` = 8, in the hand: the proxy is on its way", "",
                         text("%ld of %ld", all.gliding.unfinished, all.gliding.contacts)});
     return all;
 }

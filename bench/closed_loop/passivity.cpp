@@ -3,8 +3,8 @@
 #include "presses.hpp"
 #include "report.hpp"
 
-#include <hfh/energy_tank.hpp>
-#include <hfh/virtual_coupling.hpp>
+#include <hfh/force/energy_tank.hpp>
+#include <hfh/force/virtual_coupling.hpp>
 
 // The passivity controllers side by side: how deep does a hand come, what does it get, and how does the force step?
 

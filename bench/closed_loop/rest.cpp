@@ -1,7 +1,7 @@
 #include "hand.hpp"
 #include "report.hpp"
 
-#include <hfh/steady_position.hpp>
+#include <hfh/device/limit_cycle_filter.hpp>
 
 // Does a hand that presses and then keeps still come to rest? And what does a hand feel that slides on flat ground?
 
@@ -33,7 +33,7 @@ template <Real T>
     touching.reset();
     hfh::SimulatedDevice device{model, grip, Along{&path}, 2};
     glm::dvec3 low{1e300}, high{-1e300}, low_force{1e300}, high_force{-1e300};
-    hfh::SteadyPosition steady{model.capabilities.resolution};
+    hfh::LimitCycleFilter steady{model.capabilities.resolution};
     auto sample = device.sample();
     for (int k = 0; k < 2000; ++k) {
         sample = device.step(touching.update(steadies ? steady(sample.position) : sample.position));
@@ -117,8 +117,8 @@ void rest(const Effort& effort, Findings& findings) {
     const int count = effort.counted(60, 4);
     const auto row = [&](const char* name, const hfh::DeviceModel& model, double stiffness, bool steadies,
                          bool expected) {
-        const std::string what =
-            text("limit cycles, %s, %.0f N/m%s", name, stiffness, steadies ? ", with `SteadyPosition`" : "");
+        const std::string what = text("limit cycles, %s, %.0f N/m%s", name, stiffness,
+                                      steadies ? ", with `LimitCycleFilter`" : "");
         Findings::Detail detail{what, {}};
         const auto found = holds<T>(model, stiffness, steadies, count, findings, detail);
         findings.rows.push_back({what, "0",

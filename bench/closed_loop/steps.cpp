@@ -86,10 +86,13 @@ void steps(const Effort& effort, Findings& findings) {
         hfh::TrackerOptions options{};
     };
     // The Touch goes 5 cells an update at 1 m/s.
-    for (const Kind kind :
-         {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
-          Kind{"in the hand on the Touch", 0.2e-3, 15, true},
-          Kind{"in the hand on the Touch, `max_slide` = 8", 0.2e-3, 15, true, {.max_slide = 8}}}) {
+    for (const Kind kind : {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
+                            Kind{"in the hand on the Touch", 0.2e-3, 15, true},
+                            Kind{"in the hand on the Touch, `max_contact_patches` = 8",
+                                 0.2e-3,
+                                 15,
+                                 true,
+                                 {.max_contact_patches = 8}}}) {
         const auto all = grounds<T>(kind.cell);
         for (const double cells : {0.5, 2.0, 5.0}) {
             double mean = 0, most_99 = 0, largest = 0;
@@ -109,7 +112,8 @@ void steps(const Effort& effort, Findings& findings) {
                     else
                         rigid(touching, path, ratios);
                 }
-                const bool glides = kind.options.max_slide < hfh::TrackerOptions{}.max_slide;
+                const bool glides =
+                    kind.options.max_contact_patches < hfh::TrackerOptions{}.max_contact_patches;
                 (glides ? findings.gliding : findings.lag).add(touching);
                 const double here = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
                 detail.by_ground.push_back(text("%.2f, %.1f, %.0f", here, at_99, top));

@@ -1,7 +1,7 @@
 #include "hand.hpp"
 #include "report.hpp"
 
-#include <hfh/driven_axis.hpp>
+#include <hfh/simulation/driven_axis.hpp>
 
 #include <cmath>
 
@@ -49,8 +49,8 @@ template <Real T, class Axis>
 template <Real T>
 [[nodiscard]] double growth(const Wall& wall, double stiffness, double seconds, Lag& lag) {
     if (!(wall.lag > 0))
-        return growth<T>(hfh::MovingMass{.mass = wall.mass, .viscous = wall.viscous}, wall.delay, stiffness,
-                         seconds, lag);
+        return growth<T>(hfh::StickSlipMass{.mass = wall.mass, .viscous = wall.viscous}, wall.delay,
+                         stiffness, seconds, lag);
     return growth<T>(hfh::DrivenAxis{.mass = wall.mass, .viscous = wall.viscous, .lag = wall.lag}, wall.delay,
                      stiffness, seconds, lag);
 }

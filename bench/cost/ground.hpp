@@ -1,7 +1,7 @@
 #ifndef HFH_BENCH_COST_GROUND_HPP
 #define HFH_BENCH_COST_GROUND_HPP
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <array>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include "ground.hpp"
 
-#include <hfh/force_evaluator.hpp>
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/force/force_evaluator.hpp>
 
 #include <string_view>
 

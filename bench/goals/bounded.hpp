@@ -1,7 +1,7 @@
 #ifndef HFH_BENCH_GOALS_BOUNDED_HPP
 #define HFH_BENCH_GOALS_BOUNDED_HPP
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <cstddef>
 #include <vector>
@@ -9,8 +9,8 @@
 // The one place of the goals that knows how the library's optional bounds are made. Without them HFH_HAS_BOUNDS is not
 // set, and the rows that need them are not measured.
 
-#if __has_include(<hfh/height_bounds.hpp>)
-#include <hfh/height_bounds.hpp>
+#if __has_include(<hfh/terrain/min_max_pyramid.hpp>)
+#include <hfh/terrain/min_max_pyramid.hpp>
 #define HFH_HAS_BOUNDS 1
 
 namespace hfh::bench {
@@ -21,13 +21,13 @@ class Bounded {
 public:
     explicit Bounded(const BilinearGrid<T, Heights>& grid)
         : storage_(static_cast<std::size_t>(
-              HeightBounds<S>::size(grid.heights().columns(), grid.heights().rows()))),
+              MinMaxPyramid<S>::size(grid.heights().columns(), grid.heights().rows()))),
           field_{grid, storage_.data(), static_cast<Index>(storage_.size())} {}
     Bounded(const Bounded&) = delete;
     Bounded& operator=(const Bounded&) = delete;
 
     /// False if it could not be done.
-    [[nodiscard]] bool build() noexcept { return field_.build() == BoundsStatus::ok; }
+    [[nodiscard]] bool build() noexcept { return field_.build() == PyramidStatus::ok; }
     [[nodiscard]] const BoundedGrid<T, Heights>& field() const noexcept { return field_; }
     [[nodiscard]] std::size_t bytes() const noexcept { return storage_.size() * sizeof(SampleRange<S>); }
 

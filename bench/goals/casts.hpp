@@ -7,7 +7,7 @@
 #include "race.hpp"
 #include "text.hpp"
 
-#include <hfh/first_hit.hpp>
+#include <hfh/traversal/first_hit.hpp>
 
 // Segments, where the library says that they first cross the surface, and whether that is right.
 

@@ -1,6 +1,6 @@
 #include "strokes.hpp"
 
-#include <hfh/global_closest_point.hpp>
+#include <hfh/geometry/global_closest_point.hpp>
 
 // The trajectory of a sliding stylus, through trees that find the closest of two triangles a cell.
 

@@ -30,7 +30,7 @@ constexpr Stroke far_strokes[] = {
 };
 
 /// What a driver takes that wants its updates short more than its proxy at rest.
-constexpr TrackerOptions brisk{.max_slide = 8};
+constexpr TrackerOptions brisk{.max_contact_patches = 8};
 
 struct Worst {
     double ns = 0;
@@ -235,7 +235,7 @@ Findings worst_updates(const Settings&) {
     look_on_level_ground<double>(brisk, brisk_level, found);
     constexpr const char *up_to_5 = "worst update by replay, all terrains, up to 5 cells an update",
                          *up_to_100 = "worst update by replay, all terrains, up to 100 cells an update";
-    const std::string with = ", `max_slide` = 8";
+    const std::string with = ", `max_contact_patches` = 8";
     found.rows.push_back(row_of(up_to_5, 3, near));
     found.rows.push_back(row_of(up_to_100, 20, far));
     found.rows.push_back(row_of(up_to_5 + with, 3, brisk_near));

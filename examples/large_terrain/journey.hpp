@@ -1,7 +1,7 @@
 #ifndef LARGE_TERRAIN_JOURNEY_HPP
 #define LARGE_TERRAIN_JOURNEY_HPP
 
-#include <hfh/scalar.hpp>
+#include <hfh/geometry/scalar.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #ifndef LARGE_TERRAIN_PAGE_RANGES_HPP
 #define LARGE_TERRAIN_PAGE_RANGES_HPP
 
-#include <hfh/height_view.hpp>
-#include <hfh/lattice.hpp>
+#include <hfh/geometry/lattice.hpp>
+#include <hfh/terrain/height_view.hpp>
 
 #include <algorithm>
 #include <cstddef>

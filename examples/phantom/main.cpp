@@ -5,7 +5,7 @@
 #include "phantom_device.hpp"
 #include "scene.hpp"
 
-#include <hfh/level_beyond.hpp>
+#include <hfh/terrain/extended_field.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -63,7 +63,7 @@ const char* say(const phantom::Report& report, const phantom::Shown& shown) {
 
 /// Until it is stopped, or fails.
 hfh::DeviceEnd touch(Device& device, const Hills& grid, double until) {
-    const hfh::LevelBeyond ground{grid}; // nobody falls off the edge of the map
+    const hfh::ExtendedField ground{grid}; // nobody falls off the edge of the map
     const auto able = device.capabilities();
     phantom::Scene scene{
         ground, phantom::frame_for(able, spacing * size, {spacing * size / 2, spacing * size / 2, 150}),

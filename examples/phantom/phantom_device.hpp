@@ -4,8 +4,8 @@
 #include "haptic_api.hpp"
 #include "shared_driver.hpp"
 
-#include <hfh/device.hpp>
-#include <hfh/latest_value.hpp>
+#include <hfh/device/device.hpp>
+#include <hfh/device/triple_buffer.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -456,7 +456,7 @@ private:
     hfh::DeviceEnd end_ = hfh::DeviceEnd::stopped; ///< written before `done_`, read after it
     std::atomic<bool> done_{false}, stop_{false}, busy_{false}, closed_{false};
     std::atomic<unsigned long> updates_{0};
-    hfh::LatestValue<Report> published_{};
+    hfh::TripleBuffer<Report> published_{};
 };
 
 } // namespace phantom

@@ -3,10 +3,10 @@
 
 #include <hfh/hfh.hpp>
 
-#include <hfh/device.hpp>
-#include <hfh/force_guard.hpp>
-#include <hfh/latest_value.hpp>
-#include <hfh/workspace.hpp>
+#include <hfh/device/device.hpp>
+#include <hfh/device/force_guard.hpp>
+#include <hfh/device/triple_buffer.hpp>
+#include <hfh/device/workspace.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ public:
     /// `stiffness`: N/m at the hand.
     Scene(const Field& field, const hfh::WorkspaceFrame& frame, double stiffness,
           const hfh::GuardLimits& limits, const Bounds& bounds = {})
-        : workspace_{frame}, tracker_{field, {.max_slide = 8}}, guard_{limits},
+        : workspace_{frame}, tracker_{field, {.max_contact_patches = 8}}, guard_{limits},
           force_{.stiffness = workspace_.terrain_stiffness(stiffness)}, lattice_{field.lattice()},
           bounds_{bounds} {
         if (bounds_.map.empty()) bounds_.map = field.cells();
@@ -110,7 +110,7 @@ private:
     hfh::ForceEvaluator<Scalar> force_;
     hfh::Lattice lattice_;
     Bounds bounds_;
-    hfh::LatestValue<Shown> shown_{};
+    hfh::TripleBuffer<Shown> shown_{};
 };
 
 /// N/m at the hand that a device can render: below what the maker recommends; where the driver does not tell, what the

@@ -1,7 +1,7 @@
 #ifndef POLLED_POLLED_DEVICE_HPP
 #define POLLED_POLLED_DEVICE_HPP
 
-#include <hfh/device.hpp>
+#include <hfh/device/device.hpp>
 
 #include <atomic>
 #include <chrono>

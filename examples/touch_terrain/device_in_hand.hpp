@@ -4,9 +4,9 @@
 #include "ground.hpp"
 #include "stylus_path.hpp"
 
-#include <hfh/force_guard.hpp>
-#include <hfh/simulated_device.hpp>
-#include <hfh/workspace.hpp>
+#include <hfh/device/force_guard.hpp>
+#include <hfh/device/workspace.hpp>
+#include <hfh/simulation/simulated_device.hpp>
 
 #include <vector>
 

@@ -3,7 +3,7 @@
 
 #include "terrain.hpp"
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <functional>
 

@@ -24,7 +24,7 @@ std::string describe(const hfh::ForceGuard& guard) {
     return "clamped " + grouped(guard.counts().clamped) + " updates to " + rounded(guard.limits().max_force) +
            " N, slewed " + grouped(guard.counts().slewed) + " to " + rounded(guard.limits().max_slew) +
            " N/ms, held back " + grouped(guard.counts().held_back) + "; " +
-           (trips.empty() ? "no trips" : trips + " (see hfh/force_guard.hpp)");
+           (trips.empty() ? "no trips" : trips + " (see hfh/device/force_guard.hpp)");
 }
 
 std::string describe(const Distribution& d) {

@@ -6,8 +6,8 @@
 #include "terrain.hpp"
 #include "touch.hpp"
 
-#include <hfh/bilinear_grid.hpp>
-#include <hfh/force_guard.hpp>
+#include <hfh/device/force_guard.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #ifndef TOUCH_TERRAIN_TERRAIN_HPP
 #define TOUCH_TERRAIN_TERRAIN_HPP
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <cstdint>
 #include <filesystem>

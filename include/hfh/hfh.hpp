@@ -1,28 +1,38 @@
 #ifndef HFH_HFH_HPP
 #define HFH_HFH_HPP
 
-// Everything, in reading order.
+// The core that a scene always needs, in reading order. What it leaves out is included by name, or a room at a time.
 
 #include <hfh/version.hpp>
 
-#include <hfh/scalar.hpp>
+// Numbers, places on the grid, one patch of it, and its closest point.
+#include <hfh/geometry/scalar.hpp>
 
-#include <hfh/bilinear_grid.hpp>
-#include <hfh/bilinear_patch.hpp>
-#include <hfh/height_field.hpp>
-#include <hfh/height_view.hpp>
-#include <hfh/lattice.hpp>
+#include <hfh/geometry/lattice.hpp>
 
-#include <hfh/candidate_walker.hpp>
-#include <hfh/first_hit.hpp>
-#include <hfh/surface.hpp>
+#include <hfh/geometry/bilinear_patch.hpp>
+#include <hfh/geometry/surface_point.hpp>
 
-#include <hfh/closest_point.hpp>
-#include <hfh/descent.hpp>
-#include <hfh/global_closest_point.hpp>
+#include <hfh/geometry/closest_point.hpp>
+#include <hfh/geometry/global_closest_point.hpp>
 
-#include <hfh/contact.hpp>
-#include <hfh/force_evaluator.hpp>
-#include <hfh/proxy_tracker.hpp>
+// The user's heights as a field of patches.
+#include <hfh/terrain/height_view.hpp>
+
+#include <hfh/terrain/height_field.hpp>
+
+#include <hfh/terrain/bilinear_grid.hpp>
+
+// The patches that a segment may touch, the first that it hits, and the way down to the closest point.
+#include <hfh/traversal/candidate_walker.hpp>
+#include <hfh/traversal/first_hit.hpp>
+
+#include <hfh/traversal/descent.hpp>
+
+// The proxy of a stylus, and the force on it.
+#include <hfh/contact/contact.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+
+#include <hfh/force/force_evaluator.hpp>
 
 #endif // HFH_HFH_HPP

@@ -1,7 +1,7 @@
 #ifndef HFH_TESTS_FUZZ_BYTES_HPP
 #define HFH_TESTS_FUZZ_BYTES_HPP
 
-#include <hfh/scalar.hpp>
+#include <hfh/geometry/scalar.hpp>
 
 #include <algorithm>
 #include <cmath>

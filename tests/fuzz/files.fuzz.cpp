@@ -4,7 +4,7 @@
 #include "stylus_path.hpp"
 #include "terrain.hpp"
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <array>
 #include <filesystem>

@@ -1,8 +1,8 @@
 #include "bytes.hpp"
 
-#include <hfh/bilinear_grid.hpp>
-#include <hfh/first_hit.hpp>
-#include <hfh/global_closest_point.hpp>
+#include <hfh/geometry/global_closest_point.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
+#include <hfh/traversal/first_hit.hpp>
 
 #include <array>
 

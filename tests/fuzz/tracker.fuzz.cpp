@@ -5,8 +5,8 @@
 #include "support/reference.hpp"
 #include "support/terrains.hpp"
 
-#include <hfh/force_evaluator.hpp>
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/force/force_evaluator.hpp>
 
 #include <array>
 #include <cstddef>
@@ -83,7 +83,7 @@ public:
         make_terrain();
         options_.surface = bytes.byte() % 4 == 0 ? SurfaceKind::sheet : SurfaceKind::solid;
         options_.max_patches = any_limit(bytes);
-        options_.max_slide = any_limit(bytes);
+        options_.max_contact_patches = any_limit(bytes);
         constexpr std::array<T, 4> stiffnesses{T(500), T(0), T(1e30), std::numeric_limits<T>::max()};
         force_.stiffness = stiffnesses[bytes.byte() % stiffnesses.size()];
         constexpr std::array<T, 4> most{T(3.3), T(0), T(1e-30), T(1e30)};
@@ -411,9 +411,11 @@ private:
     void judge(const vec3<T>& stylus, const Contact<T>& before, const Contact<T>& c) {
         const bool solid = options_.surface == SurfaceKind::solid;
         const TrackerOptions ample;
-        const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
+        const bool limited = options_.max_patches < ample.max_patches ||
+                             options_.max_contact_patches < ample.max_contact_patches;
         // An update may leave a search to the next one, rather than begin what it cannot end: that is some cells.
-        const bool worked = limited && c.patches + 6 >= std::min(options_.max_slide, options_.max_patches);
+        const bool worked =
+            limited && c.patches + 6 >= std::min(options_.max_contact_patches, options_.max_patches);
         const Point q = wide(stylus);
         const Memory was = remember(stylus, c);
         const auto& under = under_;
@@ -600,7 +602,8 @@ private:
         const auto add = [&](auto... parts) { ((told += parts, told += ' '), ...); };
         const auto& f = terrain_.frame;
         add(options_.surface == SurfaceKind::solid ? "solid" : "sheet", "max_patches",
-            std::to_string(options_.max_patches), "max_slide", std::to_string(options_.max_slide));
+            std::to_string(options_.max_patches), "max_contact_patches",
+            std::to_string(options_.max_contact_patches));
         add(std::to_string(terrain_.columns), "x", std::to_string(terrain_.rows), "origin",
             test::digits(f.origin.x), test::digits(f.origin.y));
         add("spacing", test::digits(f.spacing.x), test::digits(f.spacing.y), "heights now, south row first:");
@@ -661,7 +664,7 @@ void touch_raw_field(Bytes& bytes) {
     const test::CountingField counting{field};
     const TrackerOptions options{.surface = bytes.flag() ? SurfaceKind::sheet : SurfaceKind::solid,
                                  .max_patches = any_limit(bytes),
-                                 .max_slide = any_limit(bytes)};
+                                 .max_contact_patches = any_limit(bytes)};
     ProxyTracker tracker{counting, options};
     for (int n = 0; n < 100 && !bytes.empty(); ++n, ++tally.updates) {
         const double x = 6 * bytes.share() - 1, y = 6 * bytes.share() - 1, z = bytes.small() / 16;

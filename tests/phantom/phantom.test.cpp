@@ -5,7 +5,7 @@
 #include "phantom_device.hpp"
 #include "scene.hpp"
 
-#include <hfh/level_beyond.hpp>
+#include <hfh/terrain/extended_field.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -727,7 +727,7 @@ TEST_CASE("phantom: over the rim of a map that goes on level the ground is felt,
           "[phantom][regression]") {
     using phantom::Place;
     Walk walk;
-    const LevelBeyond ground{walk.grid};
+    const ExtendedField ground{walk.grid};
     phantom::Scene scene{ground, walk.frame, 400, {}, phantom::Bounds{.map = walk.grid.cells()}};
     walk.to(scene, {60, 0, 3});
     walk.to(scene, {60, 0, -3});

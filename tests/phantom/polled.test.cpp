@@ -2,7 +2,7 @@
 
 #include "polled_device.hpp"
 
-#include <hfh/force_guard.hpp>
+#include <hfh/device/force_guard.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "terrains.hpp"
 
-#include <hfh/surface.hpp>
+#include <hfh/geometry/surface_point.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #ifndef HFH_TESTS_SUPPORT_COUNTING_FIELD_HPP
 #define HFH_TESTS_SUPPORT_COUNTING_FIELD_HPP
 
-#include <hfh/height_field.hpp>
+#include <hfh/terrain/height_field.hpp>
 
 namespace hfh::test {
 

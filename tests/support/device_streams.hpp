@@ -3,7 +3,7 @@
 
 #include "random.hpp"
 
-#include <hfh/device.hpp>
+#include <hfh/device/device.hpp>
 
 #include <algorithm>
 #include <cmath>

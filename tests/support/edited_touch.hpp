@@ -4,8 +4,8 @@
 #include "guard_oracle.hpp"
 #include "terrains.hpp"
 
-#include <hfh/force_evaluator.hpp>
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/force/force_evaluator.hpp>
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #ifndef HFH_TESTS_SUPPORT_EXACT_WALK_HPP
 #define HFH_TESTS_SUPPORT_EXACT_WALK_HPP
 
-#include <hfh/lattice.hpp>
+#include <hfh/geometry/lattice.hpp>
 
 #include <algorithm>
 #include <array>

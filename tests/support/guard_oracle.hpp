@@ -3,7 +3,7 @@
 
 #include "random.hpp"
 
-#include <hfh/force_guard.hpp>
+#include <hfh/device/force_guard.hpp>
 
 #include <algorithm>
 #include <bit>

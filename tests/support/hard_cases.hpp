@@ -3,7 +3,7 @@
 
 #include "terrains.hpp"
 
-#include <hfh/contact.hpp>
+#include <hfh/contact/contact.hpp>
 
 #include <algorithm>
 #include <array>

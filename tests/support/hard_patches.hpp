@@ -4,7 +4,7 @@
 #include "random.hpp"
 #include "reference.hpp"
 
-#include <hfh/lattice.hpp>
+#include <hfh/geometry/lattice.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "hard_ground.hpp"
 #include "reference.hpp"
 
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 #include <cstdio>
 #include <string>
 
-// What a tracker promises whatever `max_patches` and `max_slide` are set to, judged from outside and cheaply enough for
+// What a tracker promises whatever `max_patches` and `max_contact_patches` are set to, judged from outside and cheaply enough for
 // millions of updates a minute: the heights and the stylus are all that is asked.
 
 namespace hfh::test {
@@ -29,7 +29,7 @@ inline const Wide no_square = std::sqrt(static_cast<Wide>(std::numeric_limits<T>
 /// Never dropped: on ground without holes, a stylus that was in contact, stayed over the grid and has the surface over it
 /// (felt from below: under it) by more than roundings is in contact, with a force.
 /// Gets there: at rest, contact or freedom after 64 + 4·n/w updates and no change by one ulp from then on, with little
-/// work; w = min(max_patches, max_slide), n = cells between the proxy and the stylus plus the patches that unlimited work
+/// work; w = min(max_patches, max_contact_patches), n = cells between the proxy and the stylus plus the patches that unlimited work
 /// looks at on the same way. At the rim and over a hole, where a rounding decides, the status may change once more.
 /// Nothing out of nothing: no force where unlimited work, once at rest, gives none, on ground whose rests T resolves.
 template <Real T>
@@ -65,7 +65,7 @@ public:
         ++rests;
         const Unlimited unlimited = settle(stylus);
         const double cells = cells_to(stylus) + unlimited.patches,
-                     enough = 64 + 4 * cells / std::min(options_.max_patches, options_.max_slide);
+                     enough = 64 + 4 * cells / std::min(options_.max_patches, options_.max_contact_patches);
         Contact<T> c = update(stylus);
         for (double n = 1; is_on_its_way(c) && n <= enough; ++n) {
             check_force(c, unlimited);
@@ -218,7 +218,9 @@ private:
     /// On its way too: but not off the rim of a hole, and for a stylus on the surface but for roundings both are right. A
     /// face holds a stylus that is inside of it as long as the proxy slides over it.
     void check_force(const Contact<T>& c, const Unlimited& unlimited) {
-        if (!judges_rest || !rests_are_resolved(*terrain_) || unlimited.contact.depth > 0 || is_on_its_way(unlimited.contact)) return;
+        if (!judges_rest || !rests_are_resolved(*terrain_) || unlimited.contact.depth > 0 ||
+            is_on_its_way(unlimited.contact))
+            return;
         const Wide over = surface_above(stylus_), unseen = std::isnan(over) ? Wide(0) : roundings(stylus_);
         const bool held = dot(wide(c.penetration), wide(c.normal)) > 0;
         if (is_on_its_way(c) && (holes_ || held || std::abs(over) <= unseen)) return;
@@ -253,8 +255,8 @@ private:
             number(f.origin.y), "}, .spacing = {", number(f.spacing.x), ", ", number(f.spacing.y), "}}};\n");
         add("ProxyTracker tracker{grid, {.surface = SurfaceKind::",
             options_.surface == SurfaceKind::solid ? "solid" : "sheet",
-            ", .max_patches = ", whole(options_.max_patches), ", .max_slide = ", whole(options_.max_slide),
-            "}};\n");
+            ", .max_patches = ", whole(options_.max_patches),
+            ", .max_contact_patches = ", whole(options_.max_contact_patches), "}};\n");
         add("tracker.restore(std::bit_cast<TrackerState<", scalar, ">>(std::to_array<unsigned char>({");
         for (const auto byte : std::bit_cast<std::array<unsigned char, sizeof before_.state>>(before_.state))
             add(whole(int{byte}), ", ");

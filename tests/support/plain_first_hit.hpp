@@ -1,7 +1,7 @@
 #ifndef HFH_TESTS_SUPPORT_PLAIN_FIRST_HIT_HPP
 #define HFH_TESTS_SUPPORT_PLAIN_FIRST_HIT_HPP
 
-#include <hfh/first_hit.hpp>
+#include <hfh/traversal/first_hit.hpp>
 
 // first_hit without any haste: the exact walk over every cell under the segment, as the library had it before it learnt
 // to skip what is clear. Answers of the library are compared with its answers to the bit.

@@ -1,7 +1,7 @@
 #ifndef HFH_TESTS_PRESSES_HPP
 #define HFH_TESTS_PRESSES_HPP
 
-#include <hfh/simulated_device.hpp>
+#include <hfh/simulation/simulated_device.hpp>
 
 #include <algorithm>
 #include <cmath>

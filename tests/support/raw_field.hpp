@@ -3,7 +3,7 @@
 
 #include "terrains.hpp"
 
-#include <hfh/height_field.hpp>
+#include <hfh/terrain/height_field.hpp>
 
 namespace hfh::test {
 

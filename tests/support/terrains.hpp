@@ -4,7 +4,7 @@
 #include "numbers.hpp"
 #include "random.hpp"
 
-#include <hfh/bilinear_grid.hpp>
+#include <hfh/terrain/bilinear_grid.hpp>
 
 #include <cmath>
 #include <limits>

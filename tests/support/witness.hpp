@@ -3,7 +3,7 @@
 
 #include "reference.hpp"
 
-#include <hfh/proxy_tracker.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
 
 #include <string>
 
@@ -72,8 +72,9 @@ private:
     /// work of one in which the stylus rests.
     [[nodiscard]] bool may_stop(int patches) const {
         const TrackerOptions ample;
-        const bool limited = options_.max_patches < ample.max_patches || options_.max_slide < ample.max_slide;
-        return limited && patches >= std::min(options_.max_slide, options_.max_patches);
+        const bool limited = options_.max_patches < ample.max_patches ||
+                             options_.max_contact_patches < ample.max_contact_patches;
+        return limited && patches >= std::min(options_.max_contact_patches, options_.max_patches);
     }
 
     /// On ground without holes, within its rim: in contact before, the surface over it (felt from below: under it) by more
@@ -115,7 +116,7 @@ private:
             const Wide moved = cells_apart(q, wide(last_));
             const Wide to_cast = cells_apart(q, wide(before_.proxy));
             if (static_cast<Wide>(c.patches) >
-                static_cast<Wide>(options_.max_slide) + 2 * moved + 4 * (1 + to_cast) + 16) {
+                static_cast<Wide>(options_.max_contact_patches) + 2 * moved + 4 * (1 + to_cast) + 16) {
                 return "more work than was allowed in contact";
             }
         }

@@ -1,0 +1,60 @@
+#ifndef HFH_CONTACT_CONTACT_HPP
+#define HFH_CONTACT_CONTACT_HPP
+
+#include <hfh/geometry/surface_point.hpp>
+
+// What one update found, as a value. How it was found is the tracker's affair, what it is worth in newtons the
+// force evaluator's; both know this header and not each other.
+
+namespace hfh {
+
+/// How an update ended. Only `contact` and `descent_limit` touch.
+enum class ContactStatus : unsigned char {
+    free,          ///< above the surface (sheet: on either side), or on it
+    contact,       ///< pressing: the proxy is the local closest point, the stylus is inside
+    descent_limit, ///< in contact, but slide or search used up their work; they go on from here next time
+    sweep_limit,   ///< free so far, but the sweep used up its work; it goes on from there next time
+    buried,      ///< solid: below the surface without having met it from above; feels nothing until out once
+    off_surface, ///< no patch above or below: outside the grid or over a hole
+    left_at_border, ///< was in contact and slid off the rim of the grid in this update
+    left_at_hole, ///< was in contact and slid off the rim of a hole, or the surface under the proxy was removed
+    bad_input ///< NaN, infinity, or too far away to number its cell or square its height: refused, state unchanged
+};
+
+[[nodiscard]] constexpr const char* to_string(ContactStatus status) noexcept {
+    switch (status) {
+    case ContactStatus::free: return "free";
+    case ContactStatus::contact: return "contact";
+    case ContactStatus::descent_limit: return "descent_limit";
+    case ContactStatus::sweep_limit: return "sweep_limit";
+    case ContactStatus::buried: return "buried";
+    case ContactStatus::off_surface: return "off_surface";
+    case ContactStatus::left_at_border: return "left_at_border";
+    case ContactStatus::left_at_hole: return "left_at_hole";
+    case ContactStatus::bad_input: return "bad_input";
+    }
+    return "unknown";
+}
+
+/// Metres throughout. When not touching: proxy = stylus, normal = +z, penetration and depth are zero. After
+/// bad_input there is no stylus to speak of, and the proxy is zero too.
+template <Real T>
+struct Contact {
+    ContactStatus status = ContactStatus::free;
+    Side side = Side::none;  ///< touching: the side from which the surface is felt; else where the stylus is
+    int patches = 0;         ///< patches looked at in this update
+    vec3<T> proxy{T(0)};     ///< the point that the user feels to be at: on the surface when touching
+    vec3<T> normal{0, 0, 1}; ///< unit, away from the surface on the side where it is felt; averaged over the
+                             ///< patches that meet at the proxy (§4.3.3 [P])
+    vec3<T> penetration{T(0)}; ///< proxy − stylus, computed before rounding to world coordinates
+    T depth{};                 ///< |penetration|
+    SurfacePoint<T> point{};   ///< touching: the proxy's cell and where in it
+
+    [[nodiscard]] constexpr bool touching() const noexcept {
+        return status == ContactStatus::contact || status == ContactStatus::descent_limit;
+    }
+};
+
+} // namespace hfh
+
+#endif // HFH_CONTACT_CONTACT_HPP

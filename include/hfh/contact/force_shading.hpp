@@ -1,0 +1,80 @@
+#ifndef HFH_CONTACT_FORCE_SHADING_HPP
+#define HFH_CONTACT_FORCE_SHADING_HPP
+
+#include <hfh/contact/contact.hpp>
+#include <hfh/terrain/height_field.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// Based on: Morgenbesser and Srinivasan, Force Shading for Haptic Shape Perception (1996), which is the shading of
+// Phong (1975) for the hand; Ruspini, Kolarov and Khatib (1997) use the same for proxies.
+
+namespace hfh {
+
+/// The slopes ∂z/∂x and ∂z/∂y, in metres per metre, that shading gives a surface point: those at the four vertices of
+/// its cell, interpolated bilinearly. The slopes at a vertex are the mean over the patches that meet there, as many
+/// as there are: with all four, the central differences of the samples.
+///
+/// Continuous over the whole surface: neighbouring cells compute the slopes of a vertex from the same patches in the
+/// same order and interpolate along an edge by the same expression, so a point of an edge or a vertex has the same
+/// slopes in each of them, to the bit. Looks at nine patches. Empty where there is no patch.
+template <HeightField Field>
+[[nodiscard]] std::optional<vec2<typename Field::Scalar>>
+shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& point) noexcept {
+    using T = typename Field::Scalar;
+    // Slopes at vertex (a, b) of the cell, summed over patches south-west, south-east, north-west, north-east of it.
+    vec2<T> sum[2][2]{{vec2<T>{T(0)}, vec2<T>{T(0)}}, {vec2<T>{T(0)}, vec2<T>{T(0)}}};
+    int patches[2][2]{};
+    for (int dj = -1; dj <= 1; ++dj) {
+        for (int di = -1; di <= 1; ++di) {
+            const auto patch = field.patch({point.cell.i + di, point.cell.j + dj});
+            if (!patch) {
+                if (di == 0 && dj == 0) return std::nullopt;
+                continue;
+            }
+            for (int b = std::max(dj, 0); b <= std::min(dj + 1, 1); ++b) {
+                for (int a = std::max(di, 0); a <= std::min(di + 1, 1); ++a) {
+                    sum[b][a] += vec2<T>{(b == dj ? patch->p10 - patch->p00 : patch->p11 - patch->p01),
+                                         (a == di ? patch->p01 - patch->p00 : patch->p11 - patch->p10)} /
+                                 patch->spacing;
+                    ++patches[b][a];
+                }
+            }
+        }
+    }
+    const T u = point.u, v = point.v;
+    const auto at = [&](int a, int b) { return sum[b][a] / static_cast<T>(patches[b][a]); };
+    const vec2<T> at_v0 = (T(1) - u) * at(0, 0) + u * at(1, 0);
+    const vec2<T> at_v1 = (T(1) - u) * at(0, 1) + u * at(1, 1);
+    return (T(1) - v) * at_v0 + v * at_v1;
+}
+
+/// A contact with the shaded normal: the direction of its force is continuous across cells, its depth is that of the
+/// true surface.
+///
+///     normal = ± (−∂z/∂x, −∂z/∂y, 1) / |…|,   penetration = depth·normal,   depth, proxy and point as they were
+///
+/// The proxy is still the true one, so penetration is no longer proxy − stylus: a force evaluator, damping and
+/// friction go by penetration and normal and take the result as they take any contact. Shading comes first, right
+/// behind the tracker: tracker, shading, friction, damping with the force. A contact that does not touch is
+/// returned as it is. Has no state, does not throw, does not allocate.
+template <HeightField Field>
+[[nodiscard]] Contact<typename Field::Scalar>
+shade_force(const Field& field, const Contact<typename Field::Scalar>& contact) noexcept {
+    using T = typename Field::Scalar;
+    if (!contact.touching()) return contact;
+    const auto slopes = shaded_slopes(field, contact.point);
+    if (!slopes) return contact;
+    const T steepness = std::sqrt(T(1) + slopes->x * slopes->x + slopes->y * slopes->y);
+    if (!is_finite(steepness)) return contact;
+    Contact<T> shaded = contact;
+    shaded.normal =
+        vec3<T>{-slopes->x, -slopes->y, T(1)} / (contact.side == Side::below ? -steepness : steepness);
+    shaded.penetration = contact.depth * shaded.normal;
+    return shaded;
+}
+
+} // namespace hfh
+
+#endif // HFH_CONTACT_FORCE_SHADING_HPP

@@ -1,0 +1,242 @@
+#ifndef HFH_DEVICE_FORCE_GUARD_HPP
+#define HFH_DEVICE_FORCE_GUARD_HPP
+
+#include <hfh/device/guard_limits.hpp>
+#include <hfh/device/sample_check.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// Stands between what a scene wants a hand to feel and the motors. Whatever goes wrong before it, what leaves it is
+// finite, no longer than a limit, and rises no faster than another.
+
+namespace hfh {
+
+/// What a guard has done so far.
+struct GuardCounts {
+    /// By GuardTrip: how often the cause came up; while it stays, it is one.
+    unsigned trips[guard_trip_count]{};
+    unsigned zeroed = 0; ///< updates that ended at zero because of a trip or the latch
+    /// Updates in which that limit acted.
+    unsigned clamped = 0, slewed = 0, ramped = 0, held_back = 0;
+};
+
+/// What to send to the device, and what acted. After a trip no other limit is told.
+struct GuardedForce {
+    glm::dvec3 newtons{0.0};
+    GuardTrip trip = GuardTrip::none; ///< the gravest cause that stands; the force is zero
+    bool latched = false;             ///< no cause stands, but the guard waits for `rearm`; the force is zero
+    bool clamped = false;             ///< was longer than max_force
+    bool ramped = false;              ///< made shorter by the ramp, up or down
+    bool held_back = false;           ///< a part of a rise that the hand did not make is still to come
+    bool slewed = false;              ///< is not yet where it should be
+    bool released = false;            ///< `DeviceSample::release` is asked for, and the force is zero
+};
+
+/// Limits a force, in this order: length, sudden rises, ramp, slew. With F the force asked for and F′ the one that the
+/// motors got last,
+///
+///     clamped = F · min(1, max_force/|F|)
+///     target  = g · clamped · max(0, 1 − held/|clamped|)     g: 0 at the start and after a trip, then + Δt/ramp, up to 1
+///     sent    = F′ + (target − F′) · min(1, max_slew·Δt/|target − F′|)
+///
+/// so |sent| ≤ max_force and |sent − F′| ≤ max_slew·Δt. A trip overrides all: its update sends zero, at once.
+///
+/// Sudden rises: a scene that changes under the hand (other ground, another scale) may ask for all the force at once.
+/// What the hand did not make comes at the ramp's pace. With d how far the hand has moved, in this update and, as far as
+/// the force did not rise by it, in the one before (a tracker that limits its work may be one late),
+///
+///     owed ← max(0, owed − Δt·max_force/ramp) + (rise of |clamped|, above 0 less stiffness·d), from 0 to |clamped|
+///     held = max(0, owed − max_sudden)
+///
+/// A fall takes away what is owed, so that a force which only trembles owes nothing.
+///
+/// A contact of the tracker with a spring never comes under it, fast or on ridges that let go: its proxy is no farther
+/// from the stylus after an update than before it and the way of the hand together. (With friction on ground that is
+/// rough from cell to cell it may be, seldom.) The force may turn and fall as it likes; both go by the slew.
+///
+/// At the motor. Whatever stands behind the guard (a passivity controller, a driver's clamp, an update in which nothing
+/// was sent), the guard starts from what the motors got: `DeviceSample::sent`, or `sent` in a loop of one's own, and
+/// counts Δt from when they got it. As long as what stands behind only shortens forces, for every update
+///
+///     |at the motor| ≤ |at the motor, one update before| + max_slew·Δt
+///
+/// and it falls as fast as it is made to fall. Where nothing is told, F′ is what the guard gave out, and Δt is from the
+/// last good sample's time.
+///
+/// The order of the chain: scene, virtual coupling, guard, energy tank, driver. What makes forces of its own stands before
+/// the guard, which holds its limits. What only shortens them to keep an account of energy stands behind it, because its
+/// account has to be of the force that is sent: the guard limits falls as well, so behind a tank it would hold up a force
+/// that was taken away, and give energy. With the guard told what was sent, the slew and the account both hold.
+///
+/// While `DeviceSample::release` asks for no force, g goes down by Δt/ramp instead, and once the force is zero no sample
+/// is compared with the one before it: a calibration may take its time, and shift the position. Afterwards the force
+/// comes up by the ramp.
+///
+/// What arms it again: the first update in which no cause stands. From there the force comes up by the ramp (with
+/// `latch`, from the first such update after `rearm`). A bad sample is not remembered; the first good one after it is
+/// compared with the last good one. Any other sample is what the next one is compared with (`SampleCheck`).
+///
+/// Holds under -ffast-math: no comparison with a NaN decides. Does not throw and does not allocate.
+class ForceGuard {
+public:
+    ForceGuard() noexcept : ForceGuard{GuardLimits{}} {}
+    explicit ForceGuard(const GuardLimits& limits) noexcept : limits_{limits}, usable_{is_usable(limits)} {}
+
+    /// One update: `newtons` is what the scene asks for at this sample; `buried`: the contact's status is buried.
+    [[nodiscard]] GuardedForce update(const DeviceSample& sample, const glm::dvec3& newtons,
+                                      bool buried = false) noexcept {
+        Step step;
+        const unsigned causes = find_causes(sample, newtons, buried, step);
+        GuardedForce result;
+        for (int k = guard_trip_count; k-- > 1;) {
+            if ((causes >> k & 1u) == 0) continue;
+            result.trip = static_cast<GuardTrip>(k);
+            if ((causes_ >> k & 1u) == 0) ++counts_.trips[k];
+        }
+        causes_ = causes;
+        latched_ = limits_.latch && (latched_ || causes != 0);
+        if (causes != 0 || latched_) {
+            result.latched = causes == 0;
+            ++counts_.zeroed;
+            restart();
+        } else {
+            limit(newtons, step, sample.release, result);
+        }
+        if (sample.release && is_zero(sent_)) {
+            result.released = true;
+            restart();
+            check_.forget();
+        }
+        return result;
+    }
+
+    /// What the motors really got in place of the last force, in the update at `time`; also where `update` was not
+    /// called in it. A force that is no number counts as none, a time that is none, or later than the next sample, as no
+    /// time for a rise until then. A driver that fills `DeviceSample::sent` has told it already.
+    void sent(const glm::dvec3& newtons, double time) noexcept {
+        sent_ = detail::is_tame(newtons) ? newtons : glm::dvec3{0.0};
+        const double length = detail::norm(sent_);
+        if (length > limits_.max_force) sent_ *= limits_.max_force / length;
+        sent_at_ = detail::is_tame(time) ? std::max(sent_at_, time) : latest;
+    }
+
+    /// After a trip with `latch`: the force may come back, by the ramp, once no cause stands.
+    void rearm() noexcept { latched_ = false; }
+
+    /// No force now, then the ramp, as at the start: after a clutch, or when the scene is another one.
+    void restart() noexcept {
+        sent_ = glm::dvec3{0.0};
+        gain_ = 0;
+        fresh_ = true;
+    }
+
+    [[nodiscard]] const GuardLimits& limits() const noexcept { return limits_; }
+    [[nodiscard]] const GuardCounts& counts() const noexcept { return counts_; }
+
+private:
+    /// What lies between two updates.
+    struct Step {
+        double passed = 0; ///< s since the sample before
+        double held = 0;   ///< s for which the motors have had the last force
+        double moved = 0;  ///< m
+    };
+
+    static constexpr double latest = 0x1p64; ///< s: later than any sample
+
+    static constexpr unsigned bit(GuardTrip trip) noexcept { return 1u << static_cast<unsigned>(trip); }
+    [[nodiscard]] static bool is_zero(const glm::dvec3& p) noexcept { return p == glm::dvec3{0.0}; }
+
+    /// All causes that stand, as bits; remembers the sample if it is good.
+    [[nodiscard]] unsigned find_causes(const DeviceSample& sample, const glm::dvec3& newtons, bool buried,
+                                       Step& step) noexcept {
+        unsigned causes = 0;
+        if (!usable_) causes |= bit(GuardTrip::bad_limits);
+        if (!detail::is_tame(newtons)) causes |= bit(GuardTrip::bad_force);
+        if (sample.force_refused) causes |= bit(GuardTrip::device_fault);
+        if (buried) causes |= bit(GuardTrip::buried);
+        const bool good_time = detail::is_tame(sample.time), good_place = detail::is_tame(sample.position);
+        if (!good_time || !good_place) {
+            sent_at_ = latest; // zero, until a time that nothing tells
+            return causes | bit(GuardTrip::bad_sample);
+        }
+        if (!usable_) return causes;
+
+        if (sample.has_sent) sent(sample.sent, sample.sent_at);
+        const CheckedSample told = check_.update(limits_, sample.time, sample.position);
+        if (told.stale) causes |= bit(GuardTrip::stale);
+        if (told.repeated) causes |= bit(GuardTrip::repeated);
+        if (told.jump) causes |= bit(GuardTrip::jump);
+        step.passed = told.passed;
+        step.held = std::clamp(check_.time() - sent_at_, 0.0, told.passed);
+        step.moved = told.moved;
+        // A told time that is later, as by a stamp out of order, stands; one that cannot be was for this update only.
+        const double now = check_.time();
+        sent_at_ = sent_at_ > now && sent_at_ - now <= limits_.max_gap ? sent_at_ : now;
+        return causes;
+    }
+
+    /// How much of the ramp, 0 to 1, these seconds are.
+    [[nodiscard]] double ramp_in(double seconds) const noexcept {
+        return limits_.ramp > seconds ? seconds / limits_.ramp : 1.0;
+    }
+
+    void limit(const glm::dvec3& newtons, const Step& step, bool release, GuardedForce& result) noexcept {
+        const double length = detail::norm(newtons);
+        result.clamped = length > limits_.max_force;
+        const double clamped = result.clamped ? limits_.max_force : length;
+        const double held = hold_back(clamped, step);
+        result.held_back = held > 0;
+
+        const double change = ramp_in(step.passed);
+        gain_ = std::clamp(gain_ + (release ? -change : change), 0.0, 1.0);
+        result.ramped = gain_ < 1 && length > 0;
+
+        // Divided only where something is shortened, so that a force that is passed on is so to the bit.
+        const bool shorter = result.clamped || result.held_back;
+        const glm::dvec3 target = newtons * (shorter ? (clamped - held) / length : 1.0) * gain_;
+        const glm::dvec3 way = target - sent_;
+        const double wanted = detail::norm(way), allowed = 1000 * limits_.max_slew * step.held;
+        result.slewed = wanted > allowed;
+        sent_ = result.slewed ? sent_ + way * (allowed / wanted) : target;
+        result.newtons = sent_;
+        counts_.clamped += result.clamped;
+        counts_.held_back += result.held_back;
+        counts_.ramped += result.ramped;
+        counts_.slewed += result.slewed;
+    }
+
+    /// N by which the force is to be shorter for now.
+    [[nodiscard]] double hold_back(double length, const Step& step) noexcept {
+        if (fresh_ || !(limits_.ramp > 0)) {
+            owed_ = unused_ = 0; // the ramp, or none, is what it comes by
+        } else {
+            const double paid = limits_.max_force * ramp_in(step.passed);
+            const double rise = length - asked_, made = limits_.stiffness * step.moved;
+            const double sudden = rise < 0 ? rise : std::max(0.0, rise - made - unused_);
+            owed_ = std::clamp(std::max(0.0, owed_ - paid) + sudden, 0.0, length);
+            unused_ = std::clamp(made - rise, 0.0, made);
+        }
+        fresh_ = false;
+        asked_ = length;
+        return std::max(0.0, owed_ - limits_.max_sudden);
+    }
+
+    GuardLimits limits_;
+    GuardCounts counts_{};
+    SampleCheck check_{};
+    glm::dvec3 sent_{0.0}; ///< N: what the motors got last
+    double sent_at_ = 0;   ///< s: the time of the update in which they did
+    double gain_ = 0;      ///< of the ramp, 0 to 1
+    double asked_ = 0;     ///< N: the length asked for last, at most max_force
+    double unused_ = 0;    ///< N: what the hand's last way could have made the force rise by, and did not
+    double owed_ = 0;      ///< N: of that, what the hand did not make and the ramp has not yet brought
+    unsigned causes_ = 0;  ///< of the last update, as bits
+    bool usable_, latched_ = false;
+    bool fresh_ = true; ///< nothing was asked for before
+};
+static_assert(sizeof(ForceGuard) <= 320, "limits, counts and state: five cache lines");
+
+} // namespace hfh
+
+#endif // HFH_DEVICE_FORCE_GUARD_HPP

@@ -1,0 +1,134 @@
+#ifndef HFH_DEVICE_GUARD_LIMITS_HPP
+#define HFH_DEVICE_GUARD_LIMITS_HPP
+
+#include <hfh/device/device.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// What a guard goes by: its thresholds, and the names of what trips it.
+
+namespace hfh {
+
+/// Why a guard let the force go to zero, gravest first.
+enum class GuardTrip : unsigned char {
+    none,
+    bad_limits,   ///< a limit is no number to go by: no force, ever
+    bad_sample,   ///< time or position: NaN, ±∞ or beyond 2⁶⁴
+    bad_force,    ///< the force asked for: NaN, ±∞ or beyond 2⁶⁴ N
+    device_fault, ///< the device says that it refused a force (`DeviceSample::force_refused`)
+    stale,        ///< time went on, or fell, by more than `max_gap`: the last force was felt for too long
+    repeated, ///< time did not go on for more than `max_repeats` updates, or the same place for `max_still`
+    jump,     ///< farther than a hand gets in the time
+    buried    ///< the caller says that the stylus is below the surface without having met it
+};
+inline constexpr int guard_trip_count = 9;
+
+[[nodiscard]] constexpr const char* to_string(GuardTrip trip) noexcept {
+    switch (trip) {
+    case GuardTrip::none: return "none";
+    case GuardTrip::bad_limits: return "bad_limits";
+    case GuardTrip::bad_sample: return "bad_sample";
+    case GuardTrip::bad_force: return "bad_force";
+    case GuardTrip::device_fault: return "device_fault";
+    case GuardTrip::stale: return "stale";
+    case GuardTrip::repeated: return "repeated";
+    case GuardTrip::jump: return "jump";
+    case GuardTrip::buried: return "buried";
+    }
+    return "unknown";
+}
+
+/// The user's thresholds. Each has to be a number from 0 to 2⁶⁴; `max_force`, `max_slew`, `max_gap` and `max_speed`
+/// above 0. With any other the guard gives no force and says `bad_limits`.
+struct GuardLimits {
+    /// N: what the device can give (Touch: 3.3).
+    double max_force = 3.3;
+    /// N/ms. Has to be above stiffness × speed of the hand, or walls go soft: 500 N/m met at 2 m/s is 1 N/ms.
+    double max_slew = 1;
+    /// s from no force to the full one, at the start and after every trip; 0: at once.
+    double ramp = 0.5;
+    /// N/m at the hand: the most that the scene renders. A hand that moves by d makes the force rise by stiffness·d at
+    /// the most; where the scene is stiffer than told here, quick contacts come up by the ramp.
+    double stiffness = 1000;
+    /// N by which the force may rise at once though the hand did not make it rise: damping × speed, at a first contact.
+    /// From `max_force` on any rise may come at once.
+    double max_sudden = 0.3;
+    /// s between two samples: the period of a 100 Hz device and 10 ms of jitter. Also how far a stamp may be out of
+    /// order, and how long ago a place that the hand was at counts for its speed.
+    double max_gap = 0.02;
+    /// s between two samples of the device; 0: not told. A first guess, for its pace is learnt from the changes of the
+    /// position. Tell it where a slow device is asked often: there small moves between equal samples teach nothing, and
+    /// until it is known a jump is one of max_step + max_speed·max_gap only, 101 mm as these limits stand.
+    double period = 0;
+    /// Updates in a row in which the sample's time does not go on, where the device stamps its samples and is asked faster
+    /// than it samples: `max_gap` at 8 kHz. Stamps of the host's clock always go on: see `max_still`.
+    int max_repeats = 160;
+    /// s at the same place to the last bit; 0: for ever, as a device that was put down.
+    double max_still = 0;
+    /// m/s; a fast reach peaks at 2 to 3.
+    double max_speed = 5;
+    /// m that is always allowed, for encoder steps.
+    double max_step = 1e-3;
+    /// After a trip stay at zero until `rearm`, also when the cause is gone.
+    bool latch = false;
+};
+
+namespace detail {
+
+/// Whether x is a number below 2⁶⁴ in size, told from its exponent. Below 2⁶⁴ no sum, product or square in a guard
+/// overflows, so that no ∞ or NaN arises later on either.
+[[nodiscard]] inline bool is_tame(double x) noexcept {
+    return (bits_of(x) & Bits<double>::exponent) >> Bits<double>::below_exponent < 1023 + 64;
+}
+[[nodiscard]] inline bool is_tame(const glm::dvec3& p) noexcept {
+    const bool x = is_tame(p.x), y = is_tame(p.y), z = is_tame(p.z);
+    return x && y && z;
+}
+
+/// Tame and not below 0.
+[[nodiscard]] inline bool is_limit(double x) noexcept { return is_tame(x) && !(x < 0); }
+
+[[nodiscard]] inline double norm(const glm::dvec3& p) noexcept {
+    return std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+}
+
+} // namespace detail
+
+/// Whether a guard can go by these limits.
+[[nodiscard]] inline bool is_usable(const GuardLimits& l) noexcept {
+    using detail::is_limit;
+    const bool numbers = is_limit(l.max_force) && is_limit(l.max_slew) && is_limit(l.ramp) &&
+                         is_limit(l.stiffness) && is_limit(l.max_sudden) && is_limit(l.max_gap) &&
+                         is_limit(l.period) && is_limit(l.max_still) && is_limit(l.max_speed) &&
+                         is_limit(l.max_step);
+    return numbers && l.max_repeats >= 0 && l.max_force > 0 && l.max_slew > 0 && l.max_gap > 0 &&
+           l.max_speed > 0;
+}
+
+/// Limits that fit a device; what it does not tell (0, or no number above 0) is as in `GuardLimits`.
+///
+/// max_slew is the device's own limit where that is lower than 1 N/ms, and 1 N/ms for any other device: that is a wall of 500 N/m met
+/// at 2 m/s, or one of 3500 N/m at 0.3 m/s; a harder hit is felt softer for some milliseconds, and the full force of
+/// a strong device, 8.5 N, is not there before 8.5 ms. Stiffness × speed for the stiffest device would let it be there
+/// in one.
+///
+/// max_gap is two periods of the device and 10 ms of jitter; max_repeats is that at 8 kHz. A rate below 50 Hz counts as not
+/// told: taken at its word, a rate in kHz would let a force stand for seconds.
+[[nodiscard]] inline GuardLimits guard_limits(const DeviceCapabilities& device) noexcept {
+    const auto told = [](const double& x) { return detail::is_limit(x) && x > 0; };
+    GuardLimits limits;
+    if (told(device.max_force)) limits.max_force = device.max_force;
+    if (told(device.max_slew)) limits.max_slew = std::min(limits.max_slew, device.max_slew);
+    if (told(device.max_stiffness)) limits.stiffness = device.max_stiffness;
+    if (told(device.rate) && device.rate >= 50) {
+        limits.period = 1 / device.rate;
+        limits.max_gap = 0.01 + 2 * limits.period;
+        limits.max_repeats = static_cast<int>(8000 * limits.max_gap + 0.5);
+    }
+    return limits;
+}
+
+} // namespace hfh
+
+#endif // HFH_DEVICE_GUARD_LIMITS_HPP

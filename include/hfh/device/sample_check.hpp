@@ -1,0 +1,118 @@
+#ifndef HFH_DEVICE_SAMPLE_CHECK_HPP
+#define HFH_DEVICE_SAMPLE_CHECK_HPP
+
+#include <hfh/device/guard_limits.hpp>
+
+#include <algorithm>
+
+// Whether samples come from a device in a hand, told from their times and places alone.
+
+namespace hfh {
+
+/// What a sample told.
+struct CheckedSample {
+    bool stale = false, repeated = false, jump = false;
+    double passed = 0; ///< s since the latest sample before; 0 if its time is not later
+    double moved = 0;  ///< m since the sample before
+};
+
+/// Looks at samples one after the other: `stale`, `repeated`, `jump` as in `GuardTrip`.
+///
+/// A time that is not later than the latest one, by up to max_gap, is a repeated sample or one out of order: no time
+/// has passed. A time that is farther back is a clock that was set back: `stale` once, then it is the time. Sums of
+/// the rounding of two stamps count for nothing.
+///
+/// Speed is measured between samples in which the place changes: a device that is polled faster than it samples tells the
+/// same place many times, and so does an encoder in slow motion. With s the time since the place changed last, at most
+/// max_gap,
+///
+///     jump:  moved > max_step + max_speed · min(max(s, P) + scatter, reserve)
+///
+/// reserve keeps the sum of all moves to that speed: it grows with time up to max_gap, and a move takes moved/max_speed
+/// of it. So no move is longer than max_step + max_speed·max_gap, and none is faster than max_speed for long.
+///
+/// P is the mean of s, scatter how far s has been from it lately. They are there for stamps that are not the device's own:
+/// after a stall samples come in a burst, each farther on by what the hand does in P, and a stamp that was taken late is
+/// followed by one that seems early. Where the place changes at steady intervals, P becomes s and scatter 0.
+///
+///     scatter ← scatter · max(0, 1 − Δt/(6·max_gap))                     with every sample, and after each change
+///     scatter ← max(|s − P|, scatter),  then  P ← P + (s − P)/16
+///
+/// At first scatter is max_gap, and P the device's period or, where that is not told, max_gap as well. An interval
+/// teaches nothing where the place stayed the same in between and then changed by less than max_step, for that is a slow
+/// hand; nor does a sample that jumps or is stale.
+///
+/// Precondition: usable limits, tame numbers. Does not throw and does not allocate.
+class SampleCheck {
+public:
+    [[nodiscard]] CheckedSample update(const GuardLimits& limits, double time,
+                                       const glm::dvec3& position) noexcept {
+        CheckedSample told;
+        if (!started_) {
+            started_ = true;
+            time_ = changed_at_ = time;
+            position_ = position;
+            scatter_ = reserve_ = limits.max_gap;
+            period_ = limits.period > 0 ? std::min(limits.period, limits.max_gap) : limits.max_gap;
+            return told;
+        }
+        const double passed = time - time_;
+        // Two stamps, each rounded to the nearest double.
+        const double gap = limits.max_gap + epsilon<double> * (std::abs(time) + std::abs(time_));
+        told.stale = passed > gap || passed < -gap;
+        told.passed = std::max(0.0, passed);
+        told.moved = detail::norm(position - position_);
+
+        if (passed > 0 || told.stale)
+            repeats_ = 0;
+        else if (repeats_ <= limits.max_repeats) // one more would do; counting on could overflow
+            ++repeats_;
+        if (passed < -gap) changed_at_ = time;
+        if (passed > 0 || told.stale) time_ = time;
+
+        reserve_ = std::min(limits.max_gap, reserve_ + told.passed);
+        scatter_ *= std::max(0.0, 1 - told.passed / (6 * limits.max_gap));
+        if (position != position_) {
+            const double since = std::min(time_ - changed_at_, limits.max_gap);
+            const double seconds = std::min(std::max(since, period_) + scatter_, reserve_);
+            told.jump = told.moved > limits.max_step + limits.max_speed * seconds;
+            const bool sure = !waited_ || told.moved > limits.max_step;
+            if (sure && !told.jump && !told.stale) learn(since);
+            reserve_ = std::max(0.0, reserve_ - told.moved / limits.max_speed);
+            waited_ = false;
+            changed_at_ = time_;
+            position_ = position;
+        } else {
+            waited_ = true;
+        }
+        const bool still = limits.max_still > 0 && time_ - changed_at_ > limits.max_still;
+        told.repeated = repeats_ > limits.max_repeats || still;
+        return told;
+    }
+
+    /// The next sample is compared with nothing, like the first.
+    void forget() noexcept { *this = SampleCheck{}; }
+
+    /// s: the time of the latest sample.
+    [[nodiscard]] double time() const noexcept { return time_; }
+
+private:
+    void learn(double since) noexcept {
+        scatter_ = std::max(std::abs(since - period_), scatter_);
+        period_ += (since - period_) / 16;
+    }
+
+    double time_ = 0;       ///< s: the latest so far
+    double changed_at_ = 0; ///< s: when the place changed last
+    double period_ = 0;     ///< s: P, the mean interval of changes
+    double scatter_ = 0;    ///< s
+    double reserve_ = 0;    ///< s
+    glm::dvec3 position_{0.0};
+    int repeats_ = 0; ///< updates since time last went on
+    bool started_ = false;
+    bool waited_ = false; ///< there was a sample since the place changed
+};
+
+} // namespace hfh
+
+#endif // HFH_DEVICE_SAMPLE_CHECK_HPP

@@ -1,0 +1,137 @@
+#ifndef HFH_DEVICE_WORKSPACE_HPP
+#define HFH_DEVICE_WORKSPACE_HPP
+
+#include <hfh/geometry/scalar.hpp>
+
+#include <glm/ext/matrix_double3x3.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+
+// A hand's breadth of device, kilometres of terrain.
+
+namespace hfh {
+
+/// terrain = offset + scale · rotation · hand.
+struct WorkspaceFrame {
+    double scale = 1;         ///< metres of terrain per metre of hand, > 0
+    glm::dmat3 rotation{1.0}; ///< proper: RᵀR = I, det R = +1
+    glm::dvec3 offset{0.0};   ///< metres: where the middle of the device's workspace is on the terrain
+};
+
+enum class WorkspaceStatus : unsigned char {
+    ok,
+    bad_scale,    ///< not a finite number above 0
+    bad_rotation, ///< not finite, or some entry of RᵀR − I beyond 8 ulps of a float at 1, or a reflection
+    bad_offset    ///< not finite
+};
+
+[[nodiscard]] constexpr const char* to_string(WorkspaceStatus status) noexcept {
+    switch (status) {
+    case WorkspaceStatus::ok: return "ok";
+    case WorkspaceStatus::bad_scale: return "bad_scale";
+    case WorkspaceStatus::bad_rotation: return "bad_rotation";
+    case WorkspaceStatus::bad_offset: return "bad_offset";
+    }
+    return "unknown";
+}
+
+/// What is wrong with a frame, if anything.
+[[nodiscard]] inline WorkspaceStatus check(const WorkspaceFrame& frame) noexcept {
+    if (!is_finite(frame.scale) || !(frame.scale > 0)) return WorkspaceStatus::bad_scale;
+    const glm::dmat3& r = frame.rotation;
+    for (int i = 0; i < 3; ++i) {
+        if (!is_finite(r[i])) return WorkspaceStatus::bad_rotation;
+        for (int j = 0; j < 3; ++j) {
+            // A rotation that was worked out in float is good enough.
+            const double error = glm::dot(r[i], r[j]) - (i == j ? 1 : 0);
+            if (!(std::abs(error) <= 8 * static_cast<double>(epsilon<float>)))
+                return WorkspaceStatus::bad_rotation;
+        }
+    }
+    if (!(glm::determinant(r) > 0)) return WorkspaceStatus::bad_rotation;
+    return is_finite(frame.offset) ? WorkspaceStatus::ok : WorkspaceStatus::bad_offset;
+}
+
+/// Maps a device's workspace to the terrain, and forces back.
+///
+/// With s the scale and R the rotation, a velocity v of the hand is s·R·v on the terrain. The hand shall do the work
+/// that is done on the terrain, F_hand · v = F · (s·R·v) for every v, hence F_hand = s · Rᵀ · F. A displacement d of the
+/// hand is s·R·d on the terrain, so a terrain of stiffness k pushes back with F = −k·s·R·d, which is −s²·k·d at the hand:
+/// for k_hand N/m at the hand, whatever the scale, the terrain's has to be k_hand/s². The same holds for damping. That
+/// is what `terrain_stiffness` gives; it amounts to F_hand = k_hand · Rᵀ · penetration / s. A force limit of F_max at the
+/// hand is F_max/s on the terrain.
+///
+/// The clutch: while it is held the terrain position stays where it was and the hand goes back to where there is room;
+/// the offset takes up the difference, so nothing jumps on pressing or letting go. Give no force meanwhile (the hand
+/// would be moved by it, and on coming back find that it had done work for nothing), and let it come up by the guard's
+/// ramp: `ForceGuard::restart`.
+///
+/// A frame that `check` refuses is not used: the status says so, positions are mapped one to one, forces to zero.
+/// Computes in double, where a terrain at 10⁷ m keeps nanometres; T is what the tracker wants. Does not throw, does not
+/// allocate.
+template <Real T>
+class Workspace {
+public:
+    using Scalar = T;
+
+    explicit Workspace(const WorkspaceFrame& frame) noexcept : status_{check(frame)} {
+        if (status_ == WorkspaceStatus::ok) frame_ = frame;
+    }
+
+    /// One update: the hand's position on the terrain. A hand that is not finite is mapped to what is not finite
+    /// either, and moves nothing.
+    [[nodiscard]] vec3<T> update(const glm::dvec3& hand, bool clutch = false) noexcept {
+        if (is_finite(hand)) {
+            if (clutch && !clutched_) held_ = to_terrain(hand);
+            const glm::dvec3 offset = held_ - turned(hand);
+            if (clutch && is_finite(offset)) frame_.offset = offset;
+            clutched_ = clutch;
+        }
+        return vec3<T>{to_terrain(hand)};
+    }
+
+    [[nodiscard]] glm::dvec3 to_terrain(const glm::dvec3& hand) const noexcept {
+        return frame_.offset + turned(hand);
+    }
+    [[nodiscard]] glm::dvec3 to_hand(const glm::dvec3& terrain) const noexcept {
+        return (terrain - frame_.offset) * frame_.rotation / frame_.scale;
+    }
+    /// m/s at the hand → m/s on the terrain; none while the clutch is held.
+    [[nodiscard]] vec3<T> velocity_on_terrain(const glm::dvec3& velocity) const noexcept {
+        return clutched_ ? vec3<T>{0} : vec3<T>{turned(velocity)};
+    }
+    /// N on the terrain → N at the hand: s · Rᵀ · F. None if that is not finite.
+    [[nodiscard]] glm::dvec3 force_at_hand(const vec3<T>& newtons) const noexcept {
+        const glm::dvec3 at_hand = frame_.scale * (widen(newtons) * frame_.rotation);
+        return status_ == WorkspaceStatus::ok && is_finite(at_hand) ? at_hand : glm::dvec3{0.0};
+    }
+    /// What the terrain's stiffness (or damping) has to be for this one at the hand: k/s². With a scale so small that T
+    /// does not hold that it is ∞, for which a `ForceEvaluator` gives no force.
+    [[nodiscard]] T terrain_stiffness(double at_hand) const noexcept {
+        return static_cast<T>(at_hand / frame_.scale / frame_.scale);
+    }
+    /// What a limit on the force at the hand is on the terrain: F/s.
+    [[nodiscard]] T terrain_force(double at_hand) const noexcept {
+        return static_cast<T>(at_hand / frame_.scale);
+    }
+
+    [[nodiscard]] WorkspaceStatus status() const noexcept { return status_; }
+    [[nodiscard]] const WorkspaceFrame& frame() const noexcept { return frame_; }
+    [[nodiscard]] bool clutched() const noexcept { return clutched_; }
+
+private:
+    [[nodiscard]] glm::dvec3 turned(const glm::dvec3& hand) const noexcept {
+        return frame_.scale * (frame_.rotation * hand);
+    }
+
+    WorkspaceFrame frame_{};
+    glm::dvec3 held_{0.0}; ///< clutched: the terrain position
+    WorkspaceStatus status_;
+    bool clutched_ = false;
+};
+
+} // namespace hfh
+
+#endif // HFH_DEVICE_WORKSPACE_HPP

@@ -1,0 +1,87 @@
+#ifndef HFH_FORCE_VIRTUAL_COUPLING_HPP
+#define HFH_FORCE_VIRTUAL_COUPLING_HPP
+
+#include <hfh/geometry/scalar.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// Based on: Colgate, Stanley, Brown, Issues in the haptic display of tool use, 1995: a spring and a damper between the
+// device and the proxy, the virtual coupling; Colgate, Schenkel, Passivity of a class of sampled-data systems, 1997: a
+// sampled spring of stiffness K gives away what a damper of K·T/2 takes.
+
+namespace hfh {
+
+/// What a device and its loop make of a spring.
+struct VirtualCouplingOptions {
+    double stiffness = 0; ///< K, N/m, at the hand: of the spring whose forces are coupled. 0: none
+    /// Updates by which a force comes later than the position it belongs to, in the mean: ½ for a force that is held
+    /// until the next update, + `DeviceCapabilities::delay`, + amplifier lag · rate.
+    double lag = 0.5;
+};
+
+/// A coupled force, and what the damper did to its length.
+struct CoupledForce {
+    glm::dvec3 newtons{0.0};
+    /// N by which it is shorter than the spring's, on the way out; below 0 where it is longer, on the way in.
+    double held_back = 0;
+};
+
+/// Adds to a spring's force the damper that makes it passive: the damper of a virtual coupling.
+///
+/// A force that acts `lag` updates late is too small on the way in and too large on the way out. With s the step of the
+/// position in the last update and ΔF the change of the force in it, the hand gets −lag·ΔF·s an update over and above
+/// what it gave: on flat ground K·T·v·D over a press to depth D and back at speed v, with lag = ½. So
+///
+///     newtons = F + 1.5·lag·ΔF        where ΔF·s < 0; |ΔF| counted up to K·|s|, the damper up to |F|
+///
+/// takes it back in the update in which it was given, half as much again for what a changing speed leaves. Where the
+/// ground is a spring, ΔF = −K·s: this is a damper of 1.5·lag·K·T, ¾·K·T without delay, in every direction in which it
+/// is one: along the normal of a face, along both where a valley holds the proxy, along a friction that sticks. A force
+/// that jumps, as from face to face or when the scene changes, is carried no farther than K·|s|; none is ever turned
+/// back. At rest nothing is added, so that depths and forces are the spring's.
+///
+/// What holds, and what does not: there is no account here and so no bound for any motion whatever (`EnergyTank` has
+/// one, and erases light contacts by it). What is measured with the simulated Touch is in
+/// bench/results/closed_loop.md; `PassivityObserver` counts what a hand in fact got. The damper sees encoder steps: one
+/// step q more or less is a force of (1 + 1.5·lag)·K·q for one update, 0.05 N with the Touch; beyond 2·(dry friction) it
+/// keeps a device trembling between two steps (`LimitCycleFilter`).
+///
+/// Stands before the guard, which holds its limits at the motors. A force or position that is no number is passed on;
+/// the one after it counts as the first. Does not throw, does not allocate.
+class VirtualCoupling {
+public:
+    constexpr explicit VirtualCoupling(const VirtualCouplingOptions& options) noexcept
+        : stiffness_{options.stiffness}, share_{1.5 * options.lag} {}
+
+    /// One update: the device is at `position`, in metres, and the spring asks for `newtons`, both at the hand.
+    [[nodiscard]] CoupledForce operator()(const glm::dvec3& position, const glm::dvec3& newtons) noexcept {
+        const glm::dvec3 step = position - position_, change = newtons - newtons_;
+        const bool first = !known_;
+        known_ = true; // what is no number makes neither a step nor a change, to it or from it
+        position_ = position;
+        newtons_ = newtons;
+        const double length = glm::length(newtons), changed = glm::length(change);
+        const double explained = stiffness_ * glm::length(step);
+        const bool damps = share_ > 0 && explained > 0 && glm::dot(change, step) < 0;
+        if (first || !damps || !is_finite(length) || !is_finite(changed)) return {newtons, 0};
+        const double damper = std::min(share_ * std::min(changed, explained), length);
+        const glm::dvec3 coupled = newtons + change * (damper / changed);
+        return {coupled, length - glm::length(coupled)};
+    }
+
+    /// Forgets the position before.
+    constexpr void reset() noexcept { known_ = false; }
+
+private:
+    double stiffness_; ///< N/m
+    double share_;     ///< of a change of the force
+    glm::dvec3 position_{0.0}, newtons_{0.0};
+    bool known_ = false;
+};
+
+} // namespace hfh
+
+#endif // HFH_FORCE_VIRTUAL_COUPLING_HPP

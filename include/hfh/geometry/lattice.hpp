@@ -1,0 +1,125 @@
+#ifndef HFH_GEOMETRY_LATTICE_HPP
+#define HFH_GEOMETRY_LATTICE_HPP
+
+#include <hfh/geometry/scalar.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+
+// Where the grid lines are: the "direct 1-1 mapping from 2 to 3 space and back" of [P] §4.1 with origin and
+// spacing kept, Eq. (6)-(7) in metres.
+
+namespace hfh {
+
+namespace detail {
+
+/// The last cell of a field without a border: 2⁵¹ − 1, the last whose middle a double still counts, or as far as cells
+/// of type I can be numbered. The sums of the algorithms need four times as much and a little more.
+template <std::signed_integral I>
+[[nodiscard]] constexpr I farthest_cell() noexcept {
+    constexpr I countable = std::numeric_limits<I>::max() / 4 - 1024;
+    if constexpr (std::numeric_limits<I>::digits > 53) {
+        return std::min(countable, (I{1} << 51) - 1);
+    } else {
+        return countable;
+    }
+}
+
+} // namespace detail
+
+/// Cell (i, j) lies between samples (i, j) and (i+1, j+1).
+struct Cell {
+    Index i = 0;
+    Index j = 0;
+    friend constexpr bool operator==(const Cell&, const Cell&) noexcept = default;
+};
+
+/// The cells first.i ≤ i < last.i, first.j ≤ j < last.j.
+struct CellRange {
+    Cell first{};
+    Cell last{};
+
+    [[nodiscard]] constexpr bool contains(Cell c) const noexcept {
+        return first.i <= c.i && c.i < last.i && first.j <= c.j && c.j < last.j;
+    }
+    [[nodiscard]] constexpr bool empty() const noexcept { return last.i <= first.i || last.j <= first.j; }
+
+    /// For a field that has no border (a formula): 2⁵¹ cells to every side, where an Index has 32 bits 5·10⁸. That is
+    /// 5000 km of cells of a centimetre.
+    [[nodiscard]] static constexpr CellRange endless() noexcept {
+        constexpr Index far = detail::farthest_cell<Index>();
+        return {{-far, -far}, {far, far}};
+    }
+};
+
+/// A point in the parameters of one cell: u along x and v along y, in cells (0 ≤ u, v ≤ 1 inside), z in metres.
+template <Real T>
+struct CellPoint {
+    T u{};
+    T v{};
+    T z{};
+};
+
+/// Whether patches of this spacing can be computed with: each of dx and dy between 1/`longest` and `longest`.
+template <Real T>
+[[nodiscard]] constexpr bool spacing_in_range(const glm::dvec2& spacing) noexcept {
+    constexpr double most = widen(longest<T>), least = 1 / most;
+    return is_finite(spacing.x) && is_finite(spacing.y) && least <= spacing.x && spacing.x <= most &&
+           least <= spacing.y && spacing.y <= most;
+}
+
+/// The horizontal frame of a height field: grid line i is x = x₀ + i·dx, grid line j is y = y₀ + j·dy.
+///
+/// Always in double. The corner of a cell is subtracted before anything is rounded to the scalar, which is
+/// what keeps a float field accurate far from the origin: rounding first loses 4 mm at 40 km, 1 m at 10⁷ m.
+class Lattice {
+public:
+    constexpr Lattice() noexcept = default;
+
+    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`).
+    constexpr Lattice(glm::dvec2 origin, glm::dvec2 spacing) noexcept
+        : origin_{origin}, spacing_{spacing}, per_metre_{1.0 / spacing.x, 1.0 / spacing.y} {}
+
+    [[nodiscard]] constexpr glm::dvec2 origin() const noexcept { return origin_; }
+    [[nodiscard]] constexpr glm::dvec2 spacing() const noexcept { return spacing_; }
+    [[nodiscard]] constexpr glm::dvec2 cells_per_metre() const noexcept { return per_metre_; }
+
+    [[nodiscard]] constexpr bool valid() const noexcept {
+        return is_finite(origin_.x) && is_finite(origin_.y) && is_finite(spacing_.x) &&
+               is_finite(spacing_.y) && spacing_.x > 0 && spacing_.y > 0 && is_finite(per_metre_.x) &&
+               is_finite(per_metre_.y);
+    }
+
+    /// x in cells from grid line i: u = (x − x₀ − i·dx) / dx. Exact to a rounding of the result near line i.
+    [[nodiscard]] constexpr double u_of(double x, Index i) const noexcept {
+        return ((x - origin_.x) - static_cast<double>(i) * spacing_.x) * per_metre_.x;
+    }
+    /// y in cells from grid line j.
+    [[nodiscard]] constexpr double v_of(double y, Index j) const noexcept {
+        return ((y - origin_.y) - static_cast<double>(j) * spacing_.y) * per_metre_.y;
+    }
+
+    /// The point p seen from cell c. Eq. (6)-(7) [P] solved for u and v.
+    template <Real T>
+    [[nodiscard]] constexpr CellPoint<T> locate(const vec3<T>& p, Cell c) const noexcept {
+        return {static_cast<T>(u_of(widen(p.x), c.i)), static_cast<T>(v_of(widen(p.y), c.j)), p.z};
+    }
+
+    /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
+    template <Real T>
+    [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
+        constexpr double far = static_cast<double>(CellRange::endless().last.i);
+        const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
+        return -far < u && u < far && -far < v && v < far;
+    }
+
+private:
+    glm::dvec2 origin_{0.0};
+    glm::dvec2 spacing_{1.0};
+    glm::dvec2 per_metre_{1.0};
+};
+
+} // namespace hfh
+
+#endif // HFH_GEOMETRY_LATTICE_HPP

@@ -1,0 +1,133 @@
+#ifndef HFH_GEOMETRY_SCALAR_HPP
+#define HFH_GEOMETRY_SCALAR_HPP
+
+#include <glm/ext/vector_double2.hpp>
+#include <glm/ext/vector_double3.hpp>
+#include <glm/ext/vector_float2.hpp>
+#include <glm/ext/vector_float3.hpp>
+
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace hfh {
+
+/// The scalars the library computes in.
+template <class T>
+concept Real = std::same_as<T, float> || std::same_as<T, double>;
+
+template <Real T>
+using vec2 = glm::vec<2, T>;
+template <Real T>
+using vec3 = glm::vec<3, T>;
+
+/// Column or row number of a sample or of a cell. Signed: a field may reach to both sides of its origin.
+using Index = std::ptrdiff_t;
+
+/// Unit roundoff spacing of T at 1: 2⁻²³ or 2⁻⁵². Every tolerance of the library is a small multiple of it
+/// times the size of the numbers that went in; there is no absolute tolerance.
+template <Real T>
+inline constexpr T epsilon = std::numeric_limits<T>::epsilon();
+
+namespace detail {
+
+/// Where the sign, the exponent and the rest are in the bits of a T.
+template <Real T>
+struct Bits {
+    using Type = std::conditional_t<std::same_as<T, float>, std::uint32_t, std::uint64_t>;
+    static constexpr int below_exponent = std::numeric_limits<T>::digits - 1;
+    static constexpr Type sign = Type{1} << (8 * sizeof(T) - 1);
+    static constexpr Type exponent = sign - (Type{1} << below_exponent);
+};
+
+/// The bits of x. Under -ffast-math a compiler may assume that no number is NaN or ∞, and Clang from 17 or so on extends
+/// that to the bits of the number. Past an empty assembly, which may do anything to them for all that the compiler
+/// knows, it cannot. MSVC draws no such conclusions.
+template <Real T>
+[[nodiscard]] constexpr typename Bits<T>::Type bits_of(T x) noexcept {
+    auto bits = std::bit_cast<typename Bits<T>::Type>(x);
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0
+    if (!std::is_constant_evaluated()) {
+        if constexpr (sizeof bits <= sizeof(void*)) {
+            asm("" : "+r"(bits));
+        } else {
+            asm("" : "+m"(bits)); // no register is as wide
+        }
+    }
+#endif
+    return bits;
+}
+
+} // namespace detail
+
+/// False for NaN and ±∞. Looks at the bits, so that it also holds under -ffast-math, where the compiler may assume
+/// x == x.
+template <Real T>
+[[nodiscard]] constexpr bool is_finite(T x) noexcept {
+    return (detail::bits_of(x) & detail::Bits<T>::exponent) != detail::Bits<T>::exponent;
+}
+
+template <Real T>
+[[nodiscard]] constexpr bool is_finite(const vec3<T>& p) noexcept {
+    return is_finite(p.x) && is_finite(p.y) && is_finite(p.z);
+}
+
+/// A finite number from 0 on, as a stiffness or a coefficient has to be. Looks at the bits as well.
+template <Real T>
+[[nodiscard]] constexpr bool is_at_least_zero(T x) noexcept {
+    const auto bits = detail::bits_of(x);
+    return bits < detail::Bits<T>::exponent || bits == detail::Bits<T>::sign;
+}
+/// A number from 0 on, or +∞: what may limit something from above. +∞ limits nothing.
+template <Real T>
+[[nodiscard]] constexpr bool is_upper_limit(T x) noexcept {
+    const auto bits = detail::bits_of(x);
+    return bits <= detail::Bits<T>::exponent || bits == detail::Bits<T>::sign;
+}
+
+/// Lengths in metres lie between these and their inverse: heights, distances, the spacing of a grid. So the fourth power
+/// of a length, the square of a slope, and the determinant of Eq. (11), which is (dx·dy)² at the least, are numbers.
+template <Real T>
+inline constexpr T longest = std::same_as<T, float> ? T(0x1p31) : T(0x1p255);
+
+/// Whether z can be a height: a number below `longest` in size. The usual "no data" values of rasters, ±3.4·10³⁸ and
+/// −1.8·10³⁰⁸, cannot. Looks at the bits: of numbers without a sign the larger one has the larger bits, and infinity and
+/// NaN have larger ones than any.
+template <Real T>
+[[nodiscard]] constexpr bool is_height(T z) noexcept {
+    return (detail::bits_of(z) & ~detail::Bits<T>::sign) <
+           std::bit_cast<typename detail::Bits<T>::Type>(longest<T>);
+}
+
+/// x as a double, to the bit. Every step from float to double goes through here: GCC 12 at -O2 computes a pair of such
+/// steps as a vector, and of a vector of (double)(float)y it drops both conversions, the rounding with them. It cannot
+/// where it does not know how x was made; the empty assembly keeps x in its register and costs no instruction.
+template <Real T>
+[[nodiscard]] constexpr double widen(T x) noexcept {
+    if constexpr (std::same_as<T, float>) {
+#if defined(__GNUC__) && !defined(__clang__)
+        if (!std::is_constant_evaluated()) {
+#if defined(__SSE_MATH__)
+            asm("" : "+x"(x));
+#elif defined(__aarch64__)
+            asm("" : "+w"(x));
+#else
+            // Through memory: here the registers that hold floats have no name to go by.
+            asm("" : "+m"(x));
+#endif
+        }
+#endif
+    }
+    return static_cast<double>(x);
+}
+[[nodiscard]] constexpr glm::dvec3 widen(const vec3<float>& p) noexcept {
+    return {widen(p.x), widen(p.y), widen(p.z)};
+}
+[[nodiscard]] constexpr const glm::dvec3& widen(const vec3<double>& p) noexcept { return p; }
+
+} // namespace hfh
+
+#endif // HFH_GEOMETRY_SCALAR_HPP

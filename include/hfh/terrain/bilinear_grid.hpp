@@ -1,0 +1,150 @@
+#ifndef HFH_TERRAIN_BILINEAR_GRID_HPP
+#define HFH_TERRAIN_BILINEAR_GRID_HPP
+
+#include <hfh/terrain/height_field.hpp>
+#include <hfh/terrain/height_view.hpp>
+
+// Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.1: four neighbouring samples make a patch.
+
+namespace hfh {
+
+/// How samples become metres: sample (i, j) with value s lies at
+///
+///     (origin.x + i·spacing.x,  origin.y + j·spacing.y,  height_offset + height_scale·s)
+///
+/// in a right-handed frame with z up.
+struct GridFrame {
+    glm::dvec2 origin{0.0}; ///< metres
+    glm::dvec2 spacing{1.0}; ///< metres, > 0, from 2⁻³¹ to 2³¹ in float and from 2⁻²⁵⁵ to 2²⁵⁵ in double
+    double height_scale = 1.0;  ///< metres per unit of a sample
+    double height_offset = 0.0; ///< metres
+};
+
+/// Why a grid has no patches, or `ok`.
+enum class GridStatus : unsigned char {
+    ok,
+    too_few_samples, ///< fewer than 2 columns or 2 rows
+    bad_spacing,     ///< spacing not a number from 1/`longest` to `longest`; or origin not finite
+    bad_height_scale ///< height scale or offset not finite, or too large for the range of an integer sample
+};
+
+/// The library's own height field: samples, usually a `HeightView`, and a frame.
+///
+/// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does
+/// not throw: a grid made from a bad frame says so in `status()` and is empty, so that nothing is ever felt.
+///
+/// A sample is a hole where its source says so, and where it makes no height: NaN, infinity, and from `longest` metres on in
+/// size (2³¹ in float, 2²⁵⁵ in double). So the "no data" value of a raster of float or double need not be declared if it is that large.
+template <Real T, HeightSource Heights>
+class BilinearGrid {
+public:
+    using Scalar = T;
+    using SampleType = typename Heights::SampleType;
+
+    constexpr BilinearGrid(Heights heights, const GridFrame& frame) noexcept
+        : heights_{heights}, lattice_{frame.origin, frame.spacing}, spacing_{frame.spacing},
+          height_scale_{static_cast<T>(frame.height_scale)}, height_offset_{
+                                                                 static_cast<T>(frame.height_offset)} {
+        if (heights.columns() < 2 || heights.rows() < 2) {
+            status_ = GridStatus::too_few_samples;
+        } else if (!lattice_.valid() || !spacing_in_range<T>(frame.spacing)) {
+            status_ = GridStatus::bad_spacing;
+        } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !all_integers(is_finite<T>)) {
+            status_ = GridStatus::bad_height_scale;
+        } else {
+            cells_.last = {heights.columns() - 1, heights.rows() - 1};
+            integers_exceed_limit_ = !all_integers(is_height<T>);
+        }
+    }
+
+    [[nodiscard]] constexpr GridStatus status() const noexcept { return status_; }
+    [[nodiscard]] constexpr const Heights& heights() const noexcept { return heights_; }
+    [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return lattice_; }
+
+    [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
+
+    /// The patch over cell c; empty outside the grid and where a corner is a hole.
+    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+        // One object for every return, so that it is made in place: a copy of an optional goes through memory and costs
+        // a patch evaluation a quarter more.
+        std::optional<BilinearPatch<T>> found;
+        if (!cells_.contains(c)) return found;
+        const auto s00 = heights_(c.i, c.j), s10 = heights_(c.i + 1, c.j);
+        const auto s01 = heights_(c.i, c.j + 1), s11 = heights_(c.i + 1, c.j + 1);
+        if (heights_.missing(s00) || heights_.missing(s10) || heights_.missing(s01) ||
+            heights_.missing(s11)) {
+            return found;
+        }
+        const T p00 = metres(s00), p10 = metres(s10), p01 = metres(s01), p11 = metres(s11);
+        if (may_exceed_limit() &&
+            (!is_height(p00) || !is_height(p10) || !is_height(p01) || !is_height(p11))) {
+            return found;
+        }
+        found.emplace(BilinearPatch<T>{p00, p10, p01, p11, spacing_});
+        return found;
+    }
+
+    /// Whether there are heights at all six corners, and all lie below z. See `CorneredHeightField`. Compares samples and
+    /// makes one height of them, and has no branch that depends on them: a cast of 30 cells takes 7 % less than with six.
+    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Cell (&corners)[6],
+                                                                   T z) const noexcept {
+        SampleType low = heights_(corners[0].i, corners[0].j), high = low;
+        bool holes = false;
+        for (const Cell c : corners) {
+            const SampleType sample = heights_(c.i, c.j);
+            holes |= heights_.missing(sample);
+            if constexpr (std::is_floating_point_v<SampleType>) holes |= !is_finite(static_cast<T>(sample));
+            low = sample < low ? sample : low;
+            high = high < sample ? sample : high;
+        }
+        const HeightRange<T> range = heights_between(low, high);
+        return !holes && in_range(range) && range.highest < z;
+    }
+
+    /// The lowest and the highest height of corners with samples from `low` to `high`. If the scale is negative, heights
+    /// fall where samples rise.
+    [[nodiscard]] constexpr HeightRange<T> heights_between(SampleType low, SampleType high) const noexcept {
+        const bool falls = height_scale_ < 0;
+        return {metres(falls ? high : low), metres(falls ? low : high)};
+    }
+
+    /// Whether samples that make the heights of such a range are no holes for being too large.
+    [[nodiscard]] constexpr bool in_range(const HeightRange<T>& range) const noexcept {
+        return !may_exceed_limit() || (is_height(range.lowest) && is_height(range.highest));
+    }
+
+private:
+    /// Whether there are samples that make no height. Of integers mostly none does, and no patch need ask.
+    [[nodiscard]] constexpr bool may_exceed_limit() const noexcept {
+        return std::is_floating_point_v<SampleType> || integers_exceed_limit_;
+    }
+
+    /// The height of a corner with this sample.
+    [[nodiscard]] constexpr T metres(SampleType sample) const noexcept {
+        return height_offset_ + height_scale_ * static_cast<T>(sample);
+    }
+
+    /// Whether every value of an integer sample passes `test` as a height.
+    [[nodiscard]] constexpr bool all_integers(bool (*test)(T)) const noexcept {
+        using Limits = std::numeric_limits<SampleType>;
+        return std::is_floating_point_v<SampleType> ||
+               (test(metres(Limits::lowest())) && test(metres(Limits::max())));
+    }
+
+    Heights heights_;
+    CellRange cells_{};
+    Lattice lattice_;
+    vec2<T> spacing_;
+    T height_scale_;
+    T height_offset_;
+    GridStatus status_ = GridStatus::ok;
+    bool integers_exceed_limit_ = false;
+};
+
+/// Computes in double unless told otherwise.
+template <HeightSource Heights>
+BilinearGrid(Heights, const GridFrame&) -> BilinearGrid<double, Heights>;
+
+} // namespace hfh
+
+#endif // HFH_TERRAIN_BILINEAR_GRID_HPP
