@@ -65,9 +65,9 @@ struct Interval {
 ///
 /// h, s and k are linear in v and c = q₁₀ q₀₁ − q₀₀ q₁₁ of the corner gaps, written z_u z_v − q₀₀ A at corner 00. The
 /// stationary points of the patch are the roots of φ'; there are at most five.
-class ValleyFloor {
+class ReducedDistance {
 public:
-    ValleyFloor(const DistanceFunction<double>& f) noexcept
+    ReducedDistance(const DistanceFunction<double>& f) noexcept
         : dx2_{f.dx2}, dy2_{f.dy2}, query_v_{f.query_v}, h0_{f.gap(f.query_u, 0.0)},
           h1_{f.slope_v(f.query_u)}, s0_{f.rise_u}, s1_{f.twist}, c_{f.rise_u * f.rise_v -
                                                                      f.gap00 * f.twist} {}
@@ -166,14 +166,14 @@ template <Real T>
         const double f = value(at_u, at_v);
         if (f < nearest) nearest = f, u = at_u, v = at_v;
     };
-    const detail::ValleyFloor valley{distance};
+    const detail::ReducedDistance valley{distance};
     const auto offer_floor = [&](double at_v) { offer(distance.best_u(at_v), at_v); };
 
     const bool inside = 0 < u && u < 1 && 0 < v && v < 1 && foot.status == NewtonStatus::converged;
     // On a cliff of some thousand cells Newton may stop far from where F is level: a valley is so narrow there that the
     // resolution of F_u and F_v leaves the point some way along it. With 1e-3 for 1e-7 some are 500 ulps too far.
-    const bool resolved =
-        glm::max(distance.noise_u, distance.noise_v) < 1e-7 * glm::min(distance.dx2, distance.dy2);
+    const bool resolved = glm::max(distance.gradient_error_u, distance.gradient_error_v) <
+                          1e-7 * glm::min(distance.dx2, distance.dy2);
     if (!inside || !resolved || std::abs(foot.gap * wide_patch.twist()) > dx * dy) {
         result.status = GlobalStatus::searched;
         offer(0, distance.best_v(0));

@@ -82,8 +82,10 @@ template <Real T>
 template <Real T>
 [[nodiscard]] vec2<T> falls(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
                             T u, T v) noexcept {
-    const bool falls_u = (f.fu > distance.noise_u && u > 0) || (f.fu < -distance.noise_u && u < 1);
-    const bool falls_v = (f.fv > distance.noise_v && v > 0) || (f.fv < -distance.noise_v && v < 1);
+    const bool falls_u =
+        (f.fu > distance.gradient_error_u && u > 0) || (f.fu < -distance.gradient_error_u && u < 1);
+    const bool falls_v =
+        (f.fv > distance.gradient_error_v && v > 0) || (f.fv < -distance.gradient_error_v && v < 1);
     return {falls_u ? f.fu * f.fu / f.fuu : T(0), falls_v ? f.fv * f.fv / f.fvv : T(0)};
 }
 
@@ -203,8 +205,8 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     if (progress.under_way && distance.squared(at.u, at.v, f.z) > (1 + 8 * epsilon<T>)*progress.nearest)
         progress = {};
     int steps = progress.steps; // in this patch
-    Freedom may{distance, f, vec2<T>{at.u, at.v}};
-    bool look = on_border(at) && (!progress.under_way || progress.look || may.none());
+    ActiveSet active{distance, f, vec2<T>{at.u, at.v}};
+    bool look = on_border(at) && (!progress.under_way || progress.look || active.is_stationary());
     const auto cut_short = [&] {
         progress.steps = static_cast<unsigned char>(steps);
         progress.under_way = true;
@@ -226,11 +228,11 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                 at = around.steepest;
                 distance = around.distance;
                 f = distance(at.u, at.v);
-                may = {distance, f, vec2<T>{at.u, at.v}};
+                active = {distance, f, vec2<T>{at.u, at.v}};
                 steps = 0;
             }
         }
-        if (may.none()) {
+        if (active.is_stationary()) {
             status = DescentStatus::minimum;
             break;
         }
@@ -241,13 +243,13 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             break;
         }
         vec2<T> to{at.u, at.v};
-        const auto step = may.inside() ? newton_step(distance, f, to) : refused;
+        const auto step = active.is_empty() ? newton_step(distance, f, to) : refused;
         if (step == refused) {
-            to = cautious_step(distance, {at.u, at.v});
+            to = safeguarded_step(distance, {at.u, at.v});
             ++patches;
         }
         if (steps > 3) [[unlikely]]
-            distance.meet_level(to);
+            distance.snap_flat_axis(to);
         if (to.x == at.u && to.y == at.v) break; // below the resolution of u and v
         at.u = to.x;
         at.v = to.y;
@@ -268,16 +270,17 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                 const T back = over_u
                                    ? distance.dx2 * (at.u - distance.query_u) + g.z * distance.slope_u(at.v)
                                    : distance.dy2 * (at.v - distance.query_v) + g.z * distance.slope_v(at.u);
-                const bool holds = T(way) * back <= (over_u ? distance.noise_u : distance.noise_v);
-                const bool falls =
-                    T(-way) * (over_u ? g.fu : g.fv) > (over_u ? there.noise_u : there.noise_v);
+                const bool holds =
+                    T(way) * back <= (over_u ? distance.gradient_error_u : distance.gradient_error_v);
+                const bool falls = T(-way) * (over_u ? g.fu : g.fv) >
+                                   (over_u ? there.gradient_error_u : there.gradient_error_v);
                 if (holds && falls && squared < progress.nearest) {
                     progress.nearest = squared;
                     progress.stalls = 0;
                     at = beyond;
                     distance = there;
                     f = g;
-                    may = {distance, f, vec2<T>{at.u, at.v}};
+                    active = {distance, f, vec2<T>{at.u, at.v}};
                     ++patches;
                     steps = 0;
                     look = false;
@@ -288,8 +291,8 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             }
         }
         f = distance(at.u, at.v);
-        may = {distance, f, vec2<T>{at.u, at.v}};
-        look = border && (may.none() || may.beyond());
+        active = {distance, f, vec2<T>{at.u, at.v}};
+        look = border && (active.is_stationary() || active.leads_out());
         if (patches >= max_patches && (border || step == refused)) {
             cut_short();
             break;
