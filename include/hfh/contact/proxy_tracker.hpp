@@ -271,7 +271,7 @@ private:
     }
     /// Whether the stylus is inside of the face at the proxy.
     [[nodiscard]] bool holds(const DescentResult<Scalar>& found) const noexcept {
-        return state_.side == Side::below ? found.outward < 0 : found.outward > 0;
+        return state_.side == Side::below ? found.signed_depth < 0 : found.signed_depth > 0;
     }
 
     /// Goes on with the search from a minimum that does not hold the stylus. If there is another face, the proxy is on it.

@@ -13,7 +13,8 @@ namespace hfh::detail {
 /// Where to go from `at` instead of a Newton step: along the floor of the valley, or to the minimum along u or v alone,
 /// whichever lowers F by more. F falls on the way, and some step is always possible unless `active` is stationary.
 template <Real T>
-[[nodiscard, gnu::noinline]] vec2<T> safeguarded_step(const DistanceFunction<T>& distance, vec2<T> at) noexcept;
+[[nodiscard, gnu::noinline]] vec2<T> safeguarded_step(const DistanceFunction<T>& distance,
+                                                      vec2<T> at) noexcept;
 
 /// The floor of a bent valley: the curve on which the stiffer parameter is at its best for each value of the other. Along
 /// it F is a function of the other parameter alone, with curvature det/F_uu (or det/F_vv).
@@ -85,7 +86,8 @@ template <Real T>
 }
 
 template <Real T>
-[[nodiscard, gnu::noinline]] vec2<T> safeguarded_step(const DistanceFunction<T>& distance, vec2<T> at) noexcept {
+[[nodiscard, gnu::noinline]] vec2<T> safeguarded_step(const DistanceFunction<T>& distance,
+                                                      vec2<T> at) noexcept {
     const auto f = distance(at.x, at.y);
     const ActiveSet active{distance, f, at};
     const bool moves_u = active.may_move_u(), moves_v = active.may_move_v();

@@ -9,7 +9,9 @@
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.2: the search over neighbouring patches, one at
 // an edge and three at a vertex (Figure 6). The paper moves to the patch whose closest point is nearest; here the
-// proxy moves only where the surface leads downhill from where it is, so it slides and never jumps.
+// point moves only where the surface leads downhill from where it is, so a proxy slides and never jumps.
+//
+// "Downhill" means that the distance to the query falls, and F is half of its square (`DistanceFunction`).
 
 namespace hfh {
 
@@ -24,13 +26,13 @@ enum class DescentStatus : unsigned char {
 /// not been cut short: to the bit. Made anew where the query is another one. Heights may have been edited meanwhile.
 template <Real T>
 struct DescentProgress {
-    /// Smallest |σ|² with which the point was on a border, and visits to a border since then. Along a sharp crease two
-    /// patches can hand the point back and forth for the last bits: after 8 visits without coming nearer it has arrived.
+    /// Smallest |σ|² with which the point was on a border, in m², and visits to a border since then. Along a sharp crease
+    /// two patches can hand the point back and forth for the last bits: after 8 visits without coming nearer it has arrived.
     T nearest = std::numeric_limits<T>::max();
     unsigned char stalls = 0;
-    unsigned char steps = 0; ///< in this patch
-    bool under_way = false;  ///< was cut short,
-    bool look = false;       ///< where the patches around the point are to be compared
+    unsigned char steps = 0; ///< taken in this patch
+    bool under_way = false;  ///< the descent was cut short
+    bool compare = false;    ///< it goes on by comparing the incident patches
 };
 
 template <Real T>
@@ -39,22 +41,58 @@ struct DescentResult {
     SurfacePoint<T> point{};
     vec3<T> offset{T(0)};    ///< surface point − query, in metres
     vec3<T> normal{0, 0, 1}; ///< unit, upward; the average over the patches that meet at the point
-    /// > 0 if the query lies below the surface at the point, < 0 if above. The sign of offset·normal, as in §4.3.3
-    /// [P], but where the averaged normal can point anywhere: where patches that meet there disagree (their mean
-    /// normal is shorter than 3/4), a minimum is seen from below in a valley and from above on a ridge; at a rim the
-    /// sign of offset.z holds.
-    T outward = 0;
+    /// > 0 if the query lies below the surface at the point, < 0 if above; only the sign has a meaning. It is that of
+    /// offset·normal, as in §4.3.3 [P], but where the averaged normal can point anywhere: where patches that meet at a
+    /// minimum disagree (their mean normal is shorter than 3/4), the query is below in a valley and above on a ridge; at
+    /// a rim the sign of offset.z holds.
+    T signed_depth = 0;
     int patches = 0; ///< patches looked at; once more for each step in them that Newton's method refused
 };
 
+/// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates, metres).
+///
+/// Inside a patch Newton's method runs to the local minimum or to the border. Over an edge the point goes on where F
+/// falls beyond it; else, and at a vertex, in the patch into which F falls most steeply from that very point, its own
+/// included; each hop at one point goes to a steeper patch, so hops around a vertex come to an end. The distance never
+/// rises. Ends where no patch at the point has a descent direction, and says so if it ends for another reason. Where a patch
+/// is missing the rim holds the point; with the query beyond that rim the point has slid off.
+///
+/// Stops once max_patches were looked at, but never without a step; with max_patches < 1 it takes none and describes the
+/// start. Looks at max_patches + 5 patches at the most, and at the end once more at those that meet at the point. Does not
+/// throw and does not allocate.
+template <HeightField Field>
+[[nodiscard]] DescentResult<typename Field::Scalar>
+descend(const Field& field, const vec3<typename Field::Scalar>& query,
+        const SurfacePoint<typename Field::Scalar>& start, int max_patches) noexcept;
+
 namespace detail {
+
+/// `descend`, from the start on or from where it was cut short. In its caller it is the hot path: returned through memory,
+/// its result would cost 2 % of an update.
+template <HeightField Field>
+[[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
+descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
+               const SurfacePoint<typename Field::Scalar>& start, int max_patches,
+               DescentProgress<typename Field::Scalar>& progress) noexcept;
+
+/// The same, for where it is not the hot path.
+template <HeightField Field>
+[[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
+descend_on(const Field& field, const vec3<typename Field::Scalar>& query,
+           const SurfacePoint<typename Field::Scalar>& start, int max_patches,
+           DescentProgress<typename Field::Scalar>& progress) noexcept {
+    return descend_inline(field, query, start, max_patches, progress);
+}
+
+// The patches that meet at a point on the border of its patch.
 
 /// A step to a neighbouring cell; {0, 0} stays.
 struct Neighbour {
     int di, dj;
 };
 
-/// The neighbours that share a point of a cell: one at an edge, three at a vertex (Figure 6 [P]), none inside.
+/// The neighbours that share a point of a cell: one at an edge, three at a vertex (Figure 6 [P]), none inside. The last of
+/// three is the one opposite.
 struct Neighbours {
     Neighbour items[3];
     int count = 0;
@@ -70,7 +108,7 @@ struct Neighbours {
     [[nodiscard]] const Neighbour* end() const noexcept { return items + count; }
 };
 
-/// The same point of the surface, as the neighbour sees it.
+/// The same point of the surface, in the neighbour's parameters.
 template <Real T>
 [[nodiscard]] SurfacePoint<T> seen_from(Neighbour n, const SurfacePoint<T>& point) noexcept {
     return {{point.cell.i + n.di, point.cell.j + n.dj},
@@ -78,89 +116,99 @@ template <Real T>
             n.dj == 0 ? point.v : T(n.dj > 0 ? 0 : 1)};
 }
 
-/// How steeply F falls from (u, v) along u and along v: F_u²/F_uu and F_v²/F_vv, 0 where it does not fall into the patch.
+/// Whether a query, in the parameters of a cell, lies beyond the edge or vertex at which its neighbour begins.
 template <Real T>
-[[nodiscard]] vec2<T> falls(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
-                            T u, T v) noexcept {
-    const bool falls_u =
-        (f.fu > distance.gradient_error_u && u > 0) || (f.fu < -distance.gradient_error_u && u < 1);
-    const bool falls_v =
-        (f.fv > distance.gradient_error_v && v > 0) || (f.fv < -distance.gradient_error_v && v < 1);
-    return {falls_u ? f.fu * f.fu / f.fuu : T(0), falls_v ? f.fv * f.fv / f.fvv : T(0)};
+[[nodiscard]] bool lies_across(Neighbour n, const CellPoint<T>& query) noexcept {
+    const bool beyond_u = n.di == 0 || (n.di > 0 ? query.u > 1 : query.u < 0);
+    const bool beyond_v = n.dj == 0 || (n.dj > 0 ? query.v > 1 : query.v < 0);
+    return beyond_u && beyond_v;
 }
 
-/// What is around a point on the border of its patch.
+/// How steeply F falls from (u, v) into the patch, along u and along v: F_u²/F_uu and F_v²/F_vv in m², 0 where it does not.
 template <Real T>
-struct Surroundings {
-    SurfacePoint<T>
-        steepest; ///< the same point in the patch into which F falls most steeply, its own included
-    DistanceFunction<T> distance;               ///< of that patch
-    bool leads_down = false;                    ///< F falls into that patch
+[[nodiscard]] vec2<T> descent_rate(const DistanceFunction<T>& distance,
+                                   const typename DistanceFunction<T>::Value& f, T u, T v) noexcept {
+    const bool along_u =
+        (f.fu > distance.gradient_error_u && u > 0) || (f.fu < -distance.gradient_error_u && u < 1);
+    const bool along_v =
+        (f.fv > distance.gradient_error_v && v > 0) || (f.fv < -distance.gradient_error_v && v < 1);
+    return {along_u ? f.fu * f.fu / f.fuu : T(0), along_v ? f.fv * f.fv / f.fvv : T(0)};
+}
+
+/// Of the patches that meet at a point, the one into which F falls most steeply.
+template <Real T>
+struct SteepestPatch {
+    SurfacePoint<T> point; ///< the same point in that patch
+    DistanceFunction<T> distance;
+    T rate;                                     ///< sum of the descent rates into that patch
     DescentStatus rim = DescentStatus::minimum; ///< off_…: a patch is missing on the side where the query is
     int patches = 0;                            ///< neighbours looked at
+
+    /// F falls into that patch.
+    [[nodiscard]] bool leads_down() const noexcept { return rate > 0; }
 };
 
-/// Compares the patches that meet at a point on the border of its patch, into which F falls by `own`.
+/// Takes the neighbour's patch for the steepest if it is steeper. Returns the descent rates into it, −1 if there is none.
 template <HeightField Field, Real T>
-[[nodiscard, gnu::noinline]] Surroundings<T>
-look_around(const Field& field, const vec3<T>& query, const SurfacePoint<T>& at,
-            const DistanceFunction<T>& distance, vec2<T> own) noexcept {
-    T steepest = own.x + own.y;
-    Surroundings<T> around{.steepest = at, .distance = distance, .leads_down = steepest > 0};
-    // Of a patch that F falls into, along u and v; < 0: there is none.
-    const auto look_into = [&](Neighbour n) {
-        ++around.patches;
-        const auto there = seen_from(n, at);
-        const auto patch = field.patch(there.cell);
-        if (!patch) return vec2<T>{-1};
-        const DistanceFunction<T> beyond{*patch, field.lattice().locate(query, there.cell)};
-        const vec2<T> fall = falls(beyond, beyond(there.u, there.v), there.u, there.v);
-        // Along an edge F falls as much on either side, but a steep patch cannot resolve what a level one can.
-        const bool enters = (n.di != 0 && fall.x > 0) || (n.dj != 0 && fall.y > 0) || !around.leads_down;
-        if (enters && fall.x + fall.y > steepest) {
-            steepest = fall.x + fall.y;
-            around.steepest = there;
-            around.distance = beyond;
-            around.leads_down = true;
-        }
-        return fall;
-    };
+[[gnu::always_inline]] inline vec2<T> consider(const Field& field, const vec3<T>& query,
+                                               const SurfacePoint<T>& at, Neighbour n,
+                                               SteepestPatch<T>& steepest) noexcept {
+    ++steepest.patches;
+    const auto there = seen_from(n, at);
+    const auto patch = field.patch(there.cell);
+    if (!patch) return vec2<T>{-1};
+    const DistanceFunction<T> distance{*patch, field.lattice().locate(query, there.cell)};
+    const vec2<T> rate = descent_rate(distance, distance(there.u, there.v), there.u, there.v);
+    // Along an edge F falls as much on either side, but a steep patch cannot resolve what a level one can.
+    const bool enters = (n.di != 0 && rate.x > 0) || (n.dj != 0 && rate.y > 0) || !steepest.leads_down();
+    if (enters && rate.x + rate.y > steepest.rate) {
+        steepest.rate = rate.x + rate.y;
+        steepest.point = there;
+        steepest.distance = distance;
+    }
+    return rate;
+}
+
+/// Compares the incident patches of a point on the border of its patch, into which F falls at the rate `own`.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::noinline]] SteepestPatch<T>
+steepest_incident_patch(const Field& field, const vec3<T>& query, const SurfacePoint<T>& at,
+                        const DistanceFunction<T>& distance, vec2<T> own) noexcept {
+    SteepestPatch<T> steepest{.point = at, .distance = distance, .rate = own.x + own.y};
     Neighbours neighbours{at.u, at.v};
     if (neighbours.count == 3) {
         // Two patches that share an edge have the same slope along it. So the point's own patch and the one opposite tell
         // for all four on which side F is steeper, along u and along v.
         const Neighbour opposite = neighbours.items[2];
-        if (const vec2<T> fall = look_into(opposite); fall.x >= 0) {
-            const Neighbour steeper{fall.x < own.x ? 0 : opposite.di, fall.y < own.y ? 0 : opposite.dj};
-            if ((steeper.di == 0) != (steeper.dj == 0)) (void)look_into(steeper);
-            if (around.leads_down) return around;
-            neighbours.count = 2; // it is no hole
+        if (const vec2<T> rate = consider(field, query, at, opposite, steepest); rate.x >= 0) {
+            const Neighbour steeper{rate.x < own.x ? 0 : opposite.di, rate.y < own.y ? 0 : opposite.dj};
+            if ((steeper.di == 0) != (steeper.dj == 0)) consider(field, query, at, steeper, steepest);
+            if (steepest.leads_down()) return steepest;
+            neighbours.count = 2; // the opposite one is no hole
         }
     }
     const auto seen = field.lattice().locate(query, at.cell);
     for (const Neighbour n : neighbours) {
-        if (look_into(n).x >= 0) continue;
-        const bool beyond_u = n.di == 0 || (n.di > 0 ? seen.u > 1 : seen.u < 0);
-        const bool beyond_v = n.dj == 0 || (n.dj > 0 ? seen.v > 1 : seen.v < 0);
-        if (beyond_u && beyond_v) {
-            around.rim = field.cells().contains(seen_from(n, at).cell) ? DescentStatus::off_hole
-                                                                       : DescentStatus::off_border;
+        const bool is_missing = !(consider(field, query, at, n, steepest).x >= 0);
+        if (is_missing && lies_across(n, seen)) {
+            steepest.rim = field.cells().contains(seen_from(n, at).cell) ? DescentStatus::off_hole
+                                                                         : DescentStatus::off_border;
         }
     }
-    return around;
+    return steepest;
 }
 
-/// `DescentResult::normal` and `outward`.
+/// `DescentResult::normal` and `signed_depth`.
 template <Real T>
-struct Facing {
+struct QuerySide {
     vec3<T> normal;
-    T outward;
+    T signed_depth;
 };
 
-/// That of a point on the border of its patch.
+/// The side of a query that is `offset` from a point on the border of its patch; `minimum`: the point is a minimum.
 template <HeightField Field, Real T>
-[[nodiscard, gnu::noinline]] Facing<T> tell_side(const Field& field, SurfacePoint<T> at, vec3<T> offset,
-                                                 bool minimum) noexcept {
+[[nodiscard, gnu::noinline]] QuerySide<T> classify_side(const Field& field, SurfacePoint<T> at,
+                                                        vec3<T> offset, bool minimum) noexcept {
     const auto own = field.patch(at.cell);
     if (!own) return {{0, 0, 1}, offset.z}; // it was there a moment ago
     const Neighbours neighbours{at.u, at.v};
@@ -184,63 +232,31 @@ template <HeightField Field, Real T>
                                                        : glm::dot(offset, normal)};
 }
 
-/// `descend`, for a caller in which it is the hot path: returned through memory, its result would cost 6 ns.
-template <HeightField Field>
-[[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
-descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
-               const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-               DescentProgress<typename Field::Scalar>& progress) noexcept {
-    using T = typename Field::Scalar;
-    using enum NewtonStep;
-    const auto first = field.patch(start.cell);
-    if (!first) return {.status = DescentStatus::off_hole, .point = start, .patches = 1};
+// The steps of a descent. These are free functions that change what they are given: they are inlined, and an object with the
+// same members would be kept in memory.
 
-    SurfacePoint<T> at = start;
-    const vec2<T> spacing = first->spacing;
-    DistanceFunction<T> distance{*first, field.lattice().locate(query, at.cell)};
-    auto f = distance(at.u, at.v);
-    auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
-    int patches = 1;
-    // The point is no farther than it was on a border before, unless the ground was edited.
-    if (progress.under_way && distance.squared(at.u, at.v, f.z) > (1 + 8 * epsilon<T>)*progress.nearest)
-        progress = {};
-    int steps = progress.steps; // in this patch
-    ActiveSet active{distance, f, vec2<T>{at.u, at.v}};
-    bool look = on_border(at) && (!progress.under_way || progress.look || active.is_stationary());
-    const auto cut_short = [&] {
-        progress.steps = static_cast<unsigned char>(steps);
-        progress.under_way = true;
-        progress.look = look;
-        status = DescentStatus::work_limit;
-    };
-    while (max_patches > 0) {
-        if (look) {
-            const T squared = distance.squared(at.u, at.v, f.z);
-            progress.stalls =
-                squared < progress.nearest ? 0 : static_cast<unsigned char>(progress.stalls + 1);
-            progress.nearest = glm::min(progress.nearest, squared);
-            if (progress.stalls >= 8) break;
-            const auto around = look_around(field, query, at, distance, falls(distance, f, at.u, at.v));
-            patches += around.patches;
-            status = around.rim;
-            if (!around.leads_down) break;
-            if (around.steepest.cell != at.cell) {
-                at = around.steepest;
-                distance = around.distance;
-                f = distance(at.u, at.v);
-                active = {distance, f, vec2<T>{at.u, at.v}};
-                steps = 0;
-            }
-        }
-        if (active.is_stationary()) {
-            status = DescentStatus::minimum;
-            break;
-        }
+/// How Newton's method in one patch ended.
+enum class PatchEnd : unsigned char {
+    minimum,    ///< at a minimum inside the patch, or on its border with F falling nowhere in the patch
+    resolution, ///< the next step is below the resolution of u and v
+    work_limit, ///< after as many steps or refused steps as are allowed
+    border,     ///< on a border
+    crossing    ///< on a border, across which Newton's step leads
+};
+
+/// Newton's method from `at` to the minimum of the patch or to its border. `f` and `active` are those of `at`, and again
+/// after PatchEnd::work_limit.
+template <Real T>
+[[nodiscard, gnu::always_inline]] inline PatchEnd
+descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
+                 typename DistanceFunction<T>::Value& f, ActiveSet& active, int& steps, int& patches,
+                 int max_patches) noexcept {
+    using enum NewtonStep;
+    if (active.is_stationary()) return PatchEnd::minimum;
+    for (;;) {
         if (steps++ == NewtonOptions{}.max_iterations) {
             steps = 0;
-            look = false;
-            cut_short();
-            break;
+            return PatchEnd::work_limit;
         }
         vec2<T> to{at.u, at.v};
         const auto step = active.is_empty() ? newton_step(distance, f, to) : refused;
@@ -248,63 +264,95 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             to = safeguarded_step(distance, {at.u, at.v});
             ++patches;
         }
+        // Rarely needed, so not before three steps.
         if (steps > 3) [[unlikely]]
             distance.snap_flat_axis(to);
-        if (to.x == at.u && to.y == at.v) break; // below the resolution of u and v
+        if (to.x == at.u && to.y == at.v) return PatchEnd::resolution;
         at.u = to.x;
         at.v = to.y;
-        const bool border = on_border(at);
-        if (step == arrived && !border) {
-            status = DescentStatus::minimum;
-            break;
+        if (on_border(at)) {
+            return step == to_border || step == barely_to_border ? PatchEnd::crossing : PatchEnd::border;
         }
-        if (border && (step == to_border || step == barely_to_border)) {
-            // Most edges lie across the way: on with the neighbour's slope at once, if F falls there and not back here.
-            const bool over_u = at.u <= 0 || at.u >= 1;
-            const int way = (over_u ? at.u : at.v) > 0 ? 1 : -1;
-            const auto beyond = seen_from({over_u ? way : 0, over_u ? 0 : way}, at);
-            if (const auto next = field.patch(beyond.cell)) {
-                const DistanceFunction<T> there{*next, field.lattice().locate(query, beyond.cell)};
-                const auto g = there(beyond.u, beyond.v);
-                const T squared = there.squared(beyond.u, beyond.v, g.z);
-                const T back = over_u
-                                   ? distance.dx2 * (at.u - distance.query_u) + g.z * distance.slope_u(at.v)
-                                   : distance.dy2 * (at.v - distance.query_v) + g.z * distance.slope_v(at.u);
-                const bool holds =
-                    T(way) * back <= (over_u ? distance.gradient_error_u : distance.gradient_error_v);
-                const bool falls = T(-way) * (over_u ? g.fu : g.fv) >
-                                   (over_u ? there.gradient_error_u : there.gradient_error_v);
-                if (holds && falls && squared < progress.nearest) {
-                    progress.nearest = squared;
-                    progress.stalls = 0;
-                    at = beyond;
-                    distance = there;
-                    f = g;
-                    active = {distance, f, vec2<T>{at.u, at.v}};
-                    ++patches;
-                    steps = 0;
-                    look = false;
-                    if (patches < max_patches) continue;
-                    cut_short();
-                    break;
-                }
-            }
-        }
+        if (step == arrived) return PatchEnd::minimum;
         f = distance(at.u, at.v);
         active = {distance, f, vec2<T>{at.u, at.v}};
-        look = border && (active.is_stationary() || active.leads_out());
-        if (patches >= max_patches && (border || step == refused)) {
-            cut_short();
-            break;
-        }
+        if (step == refused && patches >= max_patches) return PatchEnd::work_limit;
+        if (active.is_stationary()) return PatchEnd::minimum;
     }
+}
 
+/// Goes on in the patch across the edge that was just reached, if F falls there and not back here. Most edges lie across
+/// the way, and then there is no need to compare all incident patches.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::always_inline]] inline bool
+cross_edge(const Field& field, const vec3<T>& query, SurfacePoint<T>& at, DistanceFunction<T>& distance,
+           typename DistanceFunction<T>::Value& f, DescentProgress<T>& progress) noexcept {
+    const bool over_u = at.u <= 0 || at.u >= 1;
+    const int way = (over_u ? at.u : at.v) > 0 ? 1 : -1;
+    const auto beyond = seen_from({over_u ? way : 0, over_u ? 0 : way}, at);
+    const auto next = field.patch(beyond.cell);
+    if (!next) return false;
+    const DistanceFunction<T> there{*next, field.lattice().locate(query, beyond.cell)};
+    const auto g = there(beyond.u, beyond.v);
+    const T squared = there.squared(beyond.u, beyond.v, g.z);
+    // F by u or v in the patch behind, with the height there, which is the same.
+    const T back = over_u ? distance.dx2 * (at.u - distance.query_u) + g.z * distance.slope_u(at.v)
+                          : distance.dy2 * (at.v - distance.query_v) + g.z * distance.slope_v(at.u);
+    const bool falls_back =
+        !(T(way) * back <= (over_u ? distance.gradient_error_u : distance.gradient_error_v));
+    const bool falls_on =
+        T(-way) * (over_u ? g.fu : g.fv) > (over_u ? there.gradient_error_u : there.gradient_error_v);
+    if (falls_back || !falls_on || !(squared < progress.nearest)) return false;
+    progress.nearest = squared;
+    progress.stalls = 0;
+    at = beyond;
+    distance = there;
+    f = g;
+    return true;
+}
+
+/// Counts a visit to a border, |σ|² from the query. True if the point does not come nearer any more.
+template <Real T>
+[[nodiscard, gnu::always_inline]] inline bool has_stalled(DescentProgress<T>& progress, T squared) noexcept {
+    progress.stalls = squared < progress.nearest ? 0 : static_cast<unsigned char>(progress.stalls + 1);
+    progress.nearest = glm::min(progress.nearest, squared);
+    return progress.stalls >= 8;
+}
+
+/// Begins a descent at a point, |σ|² from the query, or takes it up where it was cut short. True if it goes on by comparing
+/// the incident patches.
+template <Real T>
+[[nodiscard, gnu::always_inline]] inline bool take_up(DescentProgress<T>& progress, const SurfacePoint<T>& at,
+                                                      const ActiveSet& active, T squared) noexcept {
+    // The point is no farther than it was on a border before, unless the ground was edited.
+    if (progress.under_way && squared > (1 + 8 * epsilon<T>)*progress.nearest) progress = {};
+    return on_border(at) && (!progress.under_way || progress.compare || active.is_stationary());
+}
+
+/// Goes on in the steepest incident patch.
+template <Real T>
+[[gnu::always_inline]] inline void
+enter(const SteepestPatch<T>& steepest, SurfacePoint<T>& at, DistanceFunction<T>& distance,
+      typename DistanceFunction<T>::Value& f, ActiveSet& active, int& steps) noexcept {
+    if (steepest.point.cell == at.cell) return;
+    at = steepest.point;
+    distance = steepest.distance;
+    f = distance(at.u, at.v);
+    active = {distance, f, vec2<T>{at.u, at.v}};
+    steps = 0;
+}
+
+/// The result of a descent that ended at `at`.
+template <HeightField Field, Real T>
+[[nodiscard, gnu::always_inline]] inline DescentResult<T>
+describe(const Field& field, const SurfacePoint<T>& at, const DistanceFunction<T>& distance, vec2<T> spacing,
+         DescentStatus status, int patches) noexcept {
     const T zu = distance.slope_u(at.v), zv = distance.slope_v(at.u);
     const T x = spacing.x * (at.u - distance.query_u), y = spacing.y * (at.v - distance.query_v),
             z = distance.gap(at.u, at.v);
     if (on_border(at)) {
-        const auto facing = tell_side(field, at, {x, y, z}, status == DescentStatus::minimum);
-        return {status, at, {x, y, z}, facing.normal, facing.outward, patches};
+        const auto query_side = classify_side(field, at, {x, y, z}, status == DescentStatus::minimum);
+        return {status, at, {x, y, z}, query_side.normal, query_side.signed_depth, patches};
     }
     // S_u × S_v over its length, the square of which is the determinant of Eq. (11) without σ·S_uv.
     const T scale = T(1) / std::sqrt(distance.dx2 * (distance.dy2 + zv * zv) + distance.dy2 * zu * zu);
@@ -312,29 +360,62 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     return {status, at, {x, y, z}, {nx, ny, nz}, x * nx + y * ny + z * nz, patches};
 }
 
-/// `descend`, beginning anew or going on, for where it is not the hot path.
 template <HeightField Field>
-[[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
-descend_on(const Field& field, const vec3<typename Field::Scalar>& query,
-           const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-           DescentProgress<typename Field::Scalar>& progress) noexcept {
-    return descend_inline(field, query, start, max_patches, progress);
+[[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
+descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
+               const SurfacePoint<typename Field::Scalar>& start, int max_patches,
+               DescentProgress<typename Field::Scalar>& progress) noexcept {
+    using T = typename Field::Scalar;
+    const auto first = field.patch(start.cell);
+    if (!first) return {.status = DescentStatus::off_hole, .point = start, .patches = 1};
+
+    SurfacePoint<T> at = start;
+    DistanceFunction<T> distance{*first, field.lattice().locate(query, at.cell)};
+    auto f = distance(at.u, at.v);
+    ActiveSet active{distance, f, vec2<T>{at.u, at.v}};
+    auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
+    int patches = 1;
+    bool compare = take_up(progress, at, active, distance.squared(at.u, at.v, f.z));
+    int steps = progress.steps; // in this patch
+    while (max_patches > 0) {
+        if (compare) {
+            if (has_stalled(progress, distance.squared(at.u, at.v, f.z))) break;
+            const auto steepest =
+                steepest_incident_patch(field, query, at, distance, descent_rate(distance, f, at.u, at.v));
+            patches += steepest.patches;
+            status = steepest.rim;
+            if (!steepest.leads_down()) break;
+            enter(steepest, at, distance, f, active, steps);
+        }
+        const auto end = descend_in_patch(distance, at, f, active, steps, patches, max_patches);
+        if (end == PatchEnd::resolution) break; // what the last comparison told still holds
+        if (end == PatchEnd::minimum) {
+            status = DescentStatus::minimum;
+            break;
+        }
+        compare = false;
+        if (end == PatchEnd::crossing && cross_edge(field, query, at, distance, f, progress)) {
+            active = {distance, f, vec2<T>{at.u, at.v}};
+            steps = 0;
+            ++patches;
+        } else if (end != PatchEnd::work_limit) {
+            f = distance(at.u, at.v);
+            active = {distance, f, vec2<T>{at.u, at.v}};
+            compare = active.is_stationary() || active.leads_out();
+        }
+        if (end == PatchEnd::work_limit || patches >= max_patches) {
+            progress.steps = static_cast<unsigned char>(steps);
+            progress.under_way = true;
+            progress.compare = compare;
+            status = DescentStatus::work_limit;
+            break;
+        }
+    }
+    return describe(field, at, distance, first->spacing, status, patches);
 }
 
 } // namespace detail
 
-/// Slides a surface point downhill, patch by patch, to the local closest point to `query` (world coordinates).
-///
-/// Inside a patch Newton's method runs to the local minimum or to the border. Over an edge the point goes on where F
-/// falls beyond it; else, and at a vertex, in the patch into which the distance falls most steeply from that very
-/// point, its own included; each hop at one point goes to a steeper patch, so hops around a vertex come to an end.
-/// The distance never rises. Ends where no patch at the point has a descent direction, and says so if it ends for
-/// another reason. Where a patch is missing the rim holds the point; with the query beyond that rim the point has slid
-/// off.
-///
-/// Stops once max_patches were looked at, but never without a step; with max_patches < 1 it takes none, and tells of the
-/// start. Looks at max_patches + 5 patches at the most, and at the end once more at those that meet at the point. Does not
-/// throw, does not allocate.
 template <HeightField Field>
 [[nodiscard]] DescentResult<typename Field::Scalar>
 descend(const Field& field, const vec3<typename Field::Scalar>& query,
