@@ -244,6 +244,11 @@ enum class PatchEnd : unsigned char {
     crossing    ///< on a border, across which Newton's step leads
 };
 
+/// Whether a step that ended on a border would go on behind it.
+[[nodiscard]] constexpr bool leads_across(NewtonStep step) noexcept {
+    return step == NewtonStep::to_border || step == NewtonStep::barely_to_border;
+}
+
 /// Newton's method from `at` to the minimum of the patch or to its border. `f` and `active` are those of `at`, and again
 /// after PatchEnd::work_limit.
 template <Real T>
@@ -270,9 +275,7 @@ descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
         if (to.x == at.u && to.y == at.v) return PatchEnd::resolution;
         at.u = to.x;
         at.v = to.y;
-        if (on_border(at)) {
-            return step == to_border || step == barely_to_border ? PatchEnd::crossing : PatchEnd::border;
-        }
+        if (on_border(at)) return leads_across(step) ? PatchEnd::crossing : PatchEnd::border;
         if (step == arrived) return PatchEnd::minimum;
         f = distance(at.u, at.v);
         active = {distance, f, vec2<T>{at.u, at.v}};
@@ -347,13 +350,13 @@ template <HeightField Field, Real T>
 [[nodiscard, gnu::always_inline]] inline DescentResult<T>
 describe(const Field& field, const SurfacePoint<T>& at, const DistanceFunction<T>& distance, vec2<T> spacing,
          DescentStatus status, int patches) noexcept {
-    const T zu = distance.slope_u(at.v), zv = distance.slope_v(at.u);
     const T x = spacing.x * (at.u - distance.query_u), y = spacing.y * (at.v - distance.query_v),
             z = distance.gap(at.u, at.v);
     if (on_border(at)) {
         const auto query_side = classify_side(field, at, {x, y, z}, status == DescentStatus::minimum);
         return {status, at, {x, y, z}, query_side.normal, query_side.signed_depth, patches};
     }
+    const T zu = distance.slope_u(at.v), zv = distance.slope_v(at.u);
     // S_u × S_v over its length, the square of which is the determinant of Eq. (11) without σ·S_uv.
     const T scale = T(1) / std::sqrt(distance.dx2 * (distance.dy2 + zv * zv) + distance.dy2 * zu * zu);
     const T nx = -zu * spacing.y * scale, ny = -zv * spacing.x * scale, nz = spacing.x * spacing.y * scale;
@@ -373,12 +376,12 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     DistanceFunction<T> distance{*first, field.lattice().locate(query, at.cell)};
     auto f = distance(at.u, at.v);
     ActiveSet active{distance, f, vec2<T>{at.u, at.v}};
-    auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
-    int patches = 1;
     bool compare = take_up(progress, at, active, distance.squared(at.u, at.v, f.z));
     int steps = progress.steps; // in this patch
+    int patches = 1;
+    auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
     while (max_patches > 0) {
-        if (compare) {
+        if (compare) [[unlikely]] {
             if (has_stalled(progress, distance.squared(at.u, at.v, f.z))) break;
             const auto steepest =
                 steepest_incident_patch(field, query, at, distance, descent_rate(distance, f, at.u, at.v));

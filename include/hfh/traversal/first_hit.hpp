@@ -45,12 +45,13 @@ struct FirstHitOptions {
     /// the other side without having left, it hits where it entered its last cell. An a that is farther off has left. < 0: no.
     double leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
-    /// of a cell: so that going on from `along(a, b, t)` with `side` gets on, and comes to the same end as one search.
+    /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one search.
     Index max_cells = std::numeric_limits<Index>::max();
 };
 
 /// The point of a → b at t, from which a search that was cut short goes on.
-[[nodiscard]] inline glm::dvec3 along(const glm::dvec3& a, const glm::dvec3& b, double t) noexcept {
+[[nodiscard]] inline glm::dvec3 point_on_segment(const glm::dvec3& a, const glm::dvec3& b,
+                                                 double t) noexcept {
     return a + t * (b - a);
 }
 
