@@ -147,7 +147,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants when it may slide no fart
 TEMPLATE_TEST_CASE("ProxyTracker: first contact is at the first crossing, wherever it is along the segment",
                    "[proxy_tracker]", float, double) {
     using T = TestType;
-    // Ridges every 4 cells. A swipe at a third of their height, over several of them, meets the first one first; its
+    // Ridges every 4 cells. A swipe at a third of their height, over several of them, hits the first one first; its
     // near face holds the proxy, for its perpendiculars reach 25 cells. The stylus ends between ridges, above ground.
     const auto ground = comb<T>(129, 9, 6, 4);
     const auto grid = ground.grid();
@@ -171,7 +171,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: first contact is at the first crossing, wherev
     }
 }
 
-TEMPLATE_TEST_CASE("ProxyTracker: over a ridge and down behind it, it meets the far face", "[proxy_tracker]",
+TEMPLATE_TEST_CASE("ProxyTracker: over a ridge and down behind it, it hits the far face", "[proxy_tracker]",
                    float, double) {
     using T = TestType;
     const auto ground = terrain<T>(25, 13, [](Index i, Index) { return i == 12 ? 10.0 : 0.0; });
@@ -620,7 +620,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: keeps its invariants while the ground is edite
     CHECK(witness.contacts > 4000);
 }
 
-TEMPLATE_TEST_CASE("ProxyTracker: a sheet is felt from above and from below, and let go on each side",
+TEMPLATE_TEST_CASE("ProxyTracker: a sheet is felt from above and from below, and released on each side",
                    "[proxy_tracker]", float, double) {
     using T = TestType;
     const auto ground = hills<T>(25, 25, 1, 12);
@@ -859,7 +859,7 @@ Terrain<T> wall_on_a_slope() {
 /// below it; then the next minimum is right over the stylus, some 300 cells away.
 inline constexpr double hidden = 60;
 
-/// A tracker that was led there, one update before it is let go; and the stylus of that update.
+/// A tracker that was led there, one update before it is released; and the stylus of that update.
 template <Real T, class Grid>
 ProxyTracker<Grid> held_by_the_wall(const Grid& grid, const TrackerOptions& options, vec3<T>& stylus) {
     ProxyTracker<Grid> tracker{grid, options};
@@ -877,7 +877,7 @@ ProxyTracker<Grid> held_by_the_wall(const Grid& grid, const TrackerOptions& opti
 
 } // namespace
 
-TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is let go far from its next minimum glides there",
+TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is released far from its next minimum glides there",
                    "[proxy_tracker]", float, double) {
     using T = TestType;
     const auto ground = wall_on_a_slope<T>();
@@ -1005,7 +1005,7 @@ TEMPLATE_TEST_CASE(
     "ProxyTracker: the way to a stylus that is far outside is searched in more than one update",
     "[proxy_tracker]", float, double) {
     using T = TestType;
-    // Let go by a cliff that is far from the stylus; flat ground between them.
+    // Released by a cliff that is far from the stylus; flat ground between them.
     const auto ground = terrain<T>(201, 9, [](Index i, Index) { return i <= 5 ? 200.0 : 0.0; });
     const auto grid = ground.grid();
     const vec3<T> stylus{T(105.5), T(4.25), T(100)};
@@ -1024,8 +1024,9 @@ TEMPLATE_TEST_CASE(
     CHECK(c.patches > 70);
 }
 
-TEMPLATE_TEST_CASE("ProxyTracker: behind a sweep that was cut short the proxy slides no farther than at rest",
-                   "[proxy_tracker]", float, double) {
+TEMPLATE_TEST_CASE(
+    "ProxyTracker: behind a search that was cut short the proxy slides no farther than at rest",
+    "[proxy_tracker]", float, double) {
     using T = TestType;
     const auto ground = tilted_plane<T>(601, 9, 1, 0);
     const auto grid = ground.grid();

@@ -130,12 +130,12 @@ TEMPLATE_TEST_CASE("DistanceFunction: its derivatives are those of half the squa
             (f(u + h, v + h) - f(u + h, v - h) - f(u - h, v + h) + f(u - h, v - h)) / (4 * h * h);
         INFO(describe(c));
         // The differences themselves lose epsilon of the largest f.
-        const Wide noise = 64 * std::numeric_limits<Wide>::epsilon() * p.reach(q) * p.reach(q) / (h * h);
-        REQUIRE(std::abs(static_cast<Wide>(value.fu) - fu) <= tolerance * s.scale_u + noise);
-        REQUIRE(std::abs(static_cast<Wide>(value.fv) - fv) <= tolerance * s.scale_v + noise);
-        REQUIRE(std::abs(static_cast<Wide>(value.fuu) - fuu) <= tolerance * s.scale_u + noise);
-        REQUIRE(std::abs(static_cast<Wide>(value.fvv) - fvv) <= tolerance * s.scale_v + noise);
-        REQUIRE(std::abs(static_cast<Wide>(value.fuv) - fuv) <= tolerance * (s.scale_u + s.scale_v) + noise);
+        const Wide rounding = 64 * std::numeric_limits<Wide>::epsilon() * p.reach(q) * p.reach(q) / (h * h);
+        REQUIRE(std::abs(static_cast<Wide>(value.fu) - fu) <= tolerance * s.scale_u + rounding);
+        REQUIRE(std::abs(static_cast<Wide>(value.fv) - fv) <= tolerance * s.scale_v + rounding);
+        REQUIRE(std::abs(static_cast<Wide>(value.fuu) - fuu) <= tolerance * s.scale_u + rounding);
+        REQUIRE(std::abs(static_cast<Wide>(value.fvv) - fvv) <= tolerance * s.scale_v + rounding);
+        REQUIRE(std::abs(static_cast<Wide>(value.fuv) - fuv) <= tolerance * (s.scale_u + s.scale_v) + rounding);
         REQUIRE(std::abs(static_cast<Wide>(value.z) - (p.height(u, v) - q.z)) <=
                 tolerance * static_cast<Wide>(std::max(
                                 std::abs(c.query.z), c.patch.highest() - std::min(c.patch.lowest(), T(0)))));

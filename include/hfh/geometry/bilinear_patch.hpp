@@ -22,11 +22,11 @@ struct BilinearPatch {
     T p00{}, p10{}, p01{}, p11{}; ///< corner heights in metres; first digit along u, second along v
     vec2<T> spacing{T(1)};        ///< dx, dy in metres, both > 0
 
-    /// z of A, Eq. (2): how much the slope along u changes from v = 0 to v = 1 (and the other way round).
+    /// z of A, Eq. (2) [P], in metres: how much the slope along u changes from v = 0 to v = 1, and as much that along v.
     [[nodiscard]] constexpr T twist() const noexcept { return (p11 - p01) - (p10 - p00); }
 
-    /// z of Eq. (1). On an edge it is the same expression of the same two heights and the parameter along the
-    /// edge, whichever of the two patches is asked; at a corner it is the corner's height, to the bit.
+    /// z of Eq. (1), in metres. On an edge it is the same expression of the same two heights and the parameter along the
+    /// edge, in either of the two patches that share it; at a corner it is the corner's height, to the bit.
     [[nodiscard]] constexpr T height(T u, T v) const noexcept {
         const T at_v0 = (T(1) - u) * p00 + u * p10;
         const T at_v1 = (T(1) - u) * p01 + u * p11;

@@ -30,16 +30,17 @@ struct GlobalClosestPoint {
 
 namespace detail {
 
+/// A closed interval. Its arithmetic bounds, but for rounding, what the numbers in it may come to.
 struct Interval {
     double low, high;
 
     [[nodiscard]] static constexpr Interval spanned(double a, double b) noexcept {
         return {glm::min(a, b), glm::max(a, b)};
     }
-    [[nodiscard]] constexpr bool holds(double x) const noexcept { return low <= x && x <= high; }
+    [[nodiscard]] constexpr bool contains(double x) const noexcept { return low <= x && x <= high; }
     [[nodiscard]] constexpr Interval squared() const noexcept {
         const Interval s = spanned(low * low, high * high);
-        return holds(0) ? Interval{0, s.high} : s;
+        return contains(0) ? Interval{0, s.high} : s;
     }
     friend constexpr Interval operator+(Interval a, Interval b) noexcept {
         return {a.low + b.low, a.high + b.high};
@@ -82,9 +83,9 @@ public:
                 dy2_ + dx2_ * (h1_ * k + h * c_ * s1_) / (d * d) - 4 * dx2_ * h * k * s * s1_ / (d * d * d)};
     }
 
-    /// Bounds over an interval of v: φ from below, φ' and φ''.
+    /// Bounds over an interval of v: of φ from below, of φ' and of φ''.
     struct Bounds {
-        double floor;
+        double lowest;
         Interval first, second;
     };
     [[nodiscard]] Bounds bounds(Interval v) const noexcept {
@@ -94,17 +95,16 @@ public:
         const Interval h = linear(h0_, h1_), s = linear(s0_, s1_),
                        k = linear(h1_ * dx2_ + c_ * s0_, c_ * s1_);
         const Interval s2 = s.squared(), d{dx2_ + s2.low, dx2_ + s2.high}, d2{d.low * d.low, d.high * d.high};
-        const Interval away = linear(-query_v_, 1), hk = h * k;
+        const Interval apart = linear(-query_v_, 1), hk = h * k;
         const Interval bend = linear(h1_ * (h1_ * dx2_ + c_ * s0_) + h0_ * c_ * s1_, 2 * h1_ * c_ * s1_);
-        const Interval first = dy2_ * away + dx2_ * (hk / d2),
+        const Interval first = dy2_ * apart + dx2_ * (hk / d2),
                        second = Interval{dy2_, dy2_} + dx2_ * (bend / d2) +
                                 (-4 * dx2_ * s1_) * (hk * s / Interval{d2.low * d.low, d2.high * d.high});
-        // Seen from the middle as well, which is tighter for short intervals: of 987 of a valley that is all but level 135
-        // are left.
+        // φ' also from its value in the middle and from φ'', which is tighter for short intervals.
         const double middle = (v.low + v.high) / 2, slope_there = slope(middle).first;
         const Interval around =
             Interval{slope_there, slope_there} + second * Interval{v.low - middle, v.high - middle};
-        return {(dy2_ * away.squared().low + dx2_ * h.squared().low / d.high) / 2,
+        return {(dy2_ * apart.squared().low + dx2_ * h.squared().low / d.high) / 2,
                 {glm::max(first.low, around.low), glm::min(first.high, around.high)},
                 second};
     }
@@ -137,18 +137,13 @@ private:
 /// each piece holds one minimum. Of two equally near points (the medial axis) either. Computes in double for either
 /// scalar. Query: z and corners up to 1e±30 metres.
 ///
-/// Does not allocate. At most max_intervals intervals are looked at.
+/// Does not throw and does not allocate. At most max_intervals intervals are looked at.
 template <Real T>
 [[nodiscard]] GlobalClosestPoint<T> global_closest_point(const BilinearPatch<T>& patch,
                                                          const CellPoint<T>& query) noexcept {
     using detail::Interval;
-    const auto wide = [](T x) { return widen(x); };
-    const BilinearPatch<double> wide_patch{wide(patch.p00),
-                                           wide(patch.p10),
-                                           wide(patch.p01),
-                                           wide(patch.p11),
-                                           {wide(patch.spacing.x), wide(patch.spacing.y)}};
-    const CellPoint<double> wide_query{wide(query.u), wide(query.v), wide(query.z)};
+    const BilinearPatch<double> wide_patch = widen(patch);
+    const CellPoint<double> wide_query{widen(query.u), widen(query.v), widen(query.z)};
     const DistanceFunction<double> distance{wide_patch, wide_query};
     const double dx = wide_patch.spacing.x, dy = wide_patch.spacing.y;
 
@@ -166,12 +161,12 @@ template <Real T>
         const double f = value(at_u, at_v);
         if (f < nearest) nearest = f, u = at_u, v = at_v;
     };
-    const detail::ReducedDistance valley{distance};
-    const auto offer_floor = [&](double at_v) { offer(distance.best_u(at_v), at_v); };
+    const detail::ReducedDistance reduced{distance};
+    const auto offer_best_u = [&](double at_v) { offer(distance.best_u(at_v), at_v); };
 
     const bool inside = 0 < u && u < 1 && 0 < v && v < 1 && foot.status == NewtonStatus::converged;
     // On a cliff of some thousand cells Newton may stop far from where F is level: a valley is so narrow there that the
-    // resolution of F_u and F_v leaves the point some way along it. With 1e-3 for 1e-7 some are 500 ulps too far.
+    // rounding of F_u and F_v leaves the point some way along it.
     const bool resolved = glm::max(distance.gradient_error_u, distance.gradient_error_v) <
                           1e-7 * glm::min(distance.dx2, distance.dy2);
     if (!inside || !resolved || std::abs(foot.gap * wide_patch.twist()) > dx * dy) {
@@ -190,14 +185,14 @@ template <Real T>
             }
             ++result.intervals;
             const Interval piece = pieces[--count];
-            const auto bounds = valley.bounds(piece);
-            if (!(bounds.floor < nearest) || !bounds.first.holds(0) || bounds.second.high <= 0) continue;
+            const auto bounds = reduced.bounds(piece);
+            if (!(bounds.lowest < nearest) || !bounds.first.contains(0) || bounds.second.high <= 0) continue;
             const double width = piece.high - piece.low, middle = (piece.low + piece.high) / 2;
             if (bounds.second.low > 0) {
-                offer_floor(valley.root(piece));
+                offer_best_u(reduced.root(piece));
                 continue;
             }
-            offer_floor(middle);
+            offer_best_u(middle);
             // Over a piece this short, or this level, F is the same to the last bits.
             if (width < 0x1p-40 || width * glm::max(-bounds.first.low, bounds.first.high) < 1e-15 * nearest)
                 continue;

@@ -90,8 +90,8 @@ clipped_newton_step(const typename DistanceFunction<T>::Value& f, const vec2<T>&
     return step;
 }
 
-/// The same for what lowers F by how much: whether `change` of F is at least a quarter of `scaled_rate`, which is
-/// F_uu F_vv (F_u²/F_uu + F_v²/F_vv).
+/// Whether F falls by enough: `change` < 0 is a quarter or more of the descent rate F_u²/F_uu + F_v²/F_vv, of which
+/// `scaled_rate` is F_uu F_vv times as much.
 template <Real T>
 [[nodiscard, gnu::always_inline]] inline bool is_enough(const typename DistanceFunction<T>::Value& f,
                                                         T change, T scaled_rate) noexcept {

@@ -27,8 +27,8 @@ using vec3 = glm::vec<3, T>;
 /// Column or row number of a sample or of a cell. Signed: a field may reach to both sides of its origin.
 using Index = std::ptrdiff_t;
 
-/// Unit roundoff spacing of T at 1: 2⁻²³ or 2⁻⁵². Every tolerance of the library is a small multiple of it
-/// times the size of the numbers that went in; there is no absolute tolerance.
+/// Distance from 1 to the next number of T: 2⁻²³ or 2⁻⁵². Every tolerance of the library is a small multiple of it times
+/// the size of the numbers that went in; there is no absolute tolerance.
 template <Real T>
 inline constexpr T epsilon = std::numeric_limits<T>::epsilon();
 
@@ -44,8 +44,8 @@ struct Bits {
 };
 
 /// The bits of x. Under -ffast-math a compiler may assume that no number is NaN or ∞, and Clang from 17 or so on extends
-/// that to the bits of the number. Past an empty assembly, which may do anything to them for all that the compiler
-/// knows, it cannot. MSVC draws no such conclusions.
+/// that to the bits of the number. It cannot past an empty assembly, of which it has to assume that it changes them. MSVC
+/// does not extend the assumption to bits.
 template <Real T>
 [[nodiscard]] constexpr typename Bits<T>::Type bits_of(T x) noexcept {
     auto bits = std::bit_cast<typename Bits<T>::Type>(x);
@@ -102,9 +102,9 @@ template <Real T>
            std::bit_cast<typename detail::Bits<T>::Type>(longest<T>);
 }
 
-/// x as a double, to the bit. Every step from float to double goes through here: GCC 12 at -O2 computes a pair of such
-/// steps as a vector, and of a vector of (double)(float)y it drops both conversions, the rounding with them. It cannot
-/// where it does not know how x was made; the empty assembly keeps x in its register and costs no instruction.
+/// x as a double, to the bit. Every conversion from float to double goes through here, because of an error of GCC 12: at
+/// -O2 it converts two numbers as a vector, and of a vector of (double)(float)y it drops both conversions and with them the
+/// rounding to float. It cannot where it does not know how x was made: an empty assembly hides that and costs no instruction.
 template <Real T>
 [[nodiscard]] constexpr double widen(T x) noexcept {
     if constexpr (std::same_as<T, float>) {

@@ -406,7 +406,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             active = {distance, f, vec2<T>{at.u, at.v}};
             compare = active.is_stationary() || active.leads_out();
         }
-        if (end == PatchEnd::work_limit || patches >= max_patches) {
+        if (end == PatchEnd::work_limit || patches >= max_patches) [[unlikely]] {
             progress.steps = static_cast<unsigned char>(steps);
             progress.under_way = true;
             progress.compare = compare;
