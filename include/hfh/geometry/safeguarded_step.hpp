@@ -11,7 +11,7 @@
 namespace hfh::detail {
 
 /// Where to go from `at` instead of a Newton step: along the floor of the valley, or to the minimum along u or v alone,
-/// whichever lowers F by more. F falls on the way, and some step is always possible unless `active` is stationary.
+/// whichever lowers F by more. F falls on the way. Where F can be lowered in the patch some step is always possible.
 template <Real T>
 [[nodiscard, gnu::noinline]] vec2<T> safeguarded_step(const DistanceFunction<T>& distance,
                                                       vec2<T> at) noexcept;
@@ -88,6 +88,7 @@ template <Real T>
 template <Real T>
 [[nodiscard, gnu::noinline]] vec2<T> safeguarded_step(const DistanceFunction<T>& distance,
                                                       vec2<T> at) noexcept {
+    // The caller has these as well, but handing them over would keep them in memory there: 1.5 to 4 % of an update.
     const auto f = distance(at.x, at.y);
     const ActiveSet active{distance, f, at};
     const bool moves_u = active.may_move_u(), moves_v = active.may_move_v();

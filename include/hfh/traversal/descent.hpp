@@ -67,8 +67,8 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
 
 namespace detail {
 
-/// `descend`, from the start on or from where it was cut short. In its caller it is the hot path: returned through memory,
-/// its result would cost 2 % of an update.
+/// `descend`, from the start on or from where it was cut short. Inlined where it is the hot path, so that its result is not
+/// returned through memory.
 template <HeightField Field>
 [[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
@@ -232,8 +232,8 @@ template <HeightField Field, Real T>
                                                        : glm::dot(offset, normal)};
 }
 
-// The steps of a descent. These are free functions that change what they are given: they are inlined, and an object with the
-// same members would be kept in memory.
+// The steps of a descent: `at`, the distance function of its patch, and `f` and `active` there. Separate arguments, for an
+// object that holds all of them would be kept in memory.
 
 /// How Newton's method in one patch ended.
 enum class PatchEnd : unsigned char {
@@ -298,7 +298,7 @@ cross_edge(const Field& field, const vec3<T>& query, SurfacePoint<T>& at, Distan
     const DistanceFunction<T> there{*next, field.lattice().locate(query, beyond.cell)};
     const auto g = there(beyond.u, beyond.v);
     const T squared = there.squared(beyond.u, beyond.v, g.z);
-    // F by u or v in the patch behind, with the height there, which is the same.
+    // F_u or F_v at the same point in the patch that the step came from.
     const T back = over_u ? distance.dx2 * (at.u - distance.query_u) + g.z * distance.slope_u(at.v)
                           : distance.dy2 * (at.v - distance.query_v) + g.z * distance.slope_v(at.u);
     const bool falls_back =
@@ -391,7 +391,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             enter(steepest, at, distance, f, active, steps);
         }
         const auto end = descend_in_patch(distance, at, f, active, steps, patches, max_patches);
-        if (end == PatchEnd::resolution) break; // what the last comparison told still holds
+        if (end == PatchEnd::resolution) break; // and the last comparison tells the status
         if (end == PatchEnd::minimum) {
             status = DescentStatus::minimum;
             break;
