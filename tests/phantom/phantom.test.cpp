@@ -3,6 +3,7 @@
 
 #include "openhaptics.hpp"
 #include "phantom_device.hpp"
+#include "reconnect.hpp"
 #include "scene.hpp"
 
 #include <hfh/level_beyond.hpp>
@@ -565,6 +566,44 @@ TEST_CASE("phantom: a driver that stops calling back is lost", "[phantom]") {
     CHECK(device.run(asks) == DeviceEnd::lost);
     CHECK(asks.samples.size() == 31);
     CHECK(forceless(hd));
+}
+
+TEST_CASE("phantom: after a connection that broke a device that does not open or start is tried again",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    const bool was_there = GENERATE(true, false);
+    const DeviceEnd last = GENERATE(DeviceEnd::stopped, DeviceEnd::fault, DeviceEnd::not_available);
+    int attempts = 0, waits = 0;
+    const auto attempt = [&] {
+        const int n = ++attempts;
+        const bool is_there = n == 1 ? was_there : n >= 6;
+        hd.init_gives_no_handle = n == 2;
+        hd.enable_error = n == 3 ? unsigned{HD_BAD_HANDLE} : 0u;
+        hd.schedule_error = n == 4 ? unsigned{HD_SCHEDULER_FULL} : 0u;
+        hd.start_error =
+            n == 5 || !is_there || last == DeviceEnd::not_available ? unsigned{HD_TIMER_ERROR} : 0u;
+        if (n == 1 && was_there) hd.start_error = 0;
+        hd.updates = 0;
+        hd.before_update = [&hd, n, last](int update) {
+            if (update == 20 && n == 1) hd.errors.push_back(HD_COMM_ERROR);
+            if (update == 20 && n > 1 && last == DeviceEnd::fault) hd.errors.push_back(HD_FRAME_ERROR);
+        };
+        Phantom device;
+        Asks asks;
+        return device.run(asks);
+    };
+    const auto wait = [&] { ++waits; };
+    const auto goes_on = [&] { return attempts < 10; };
+    const DeviceEnd end = phantom::run_and_reconnect(attempt, wait, goes_on);
+    if (was_there) {
+        CHECK(end == last);
+        CHECK(attempts == (last == DeviceEnd::not_available ? 10 : 6));
+        CHECK(waits == attempts - 1);
+    } else {
+        CHECK(end == DeviceEnd::not_available);
+        CHECK(attempts == 1);
+    }
+    CHECK(hd.breaches == Names{});
 }
 
 TEST_CASE("phantom: a callback that comes late is counted and measured", "[phantom]") {
