@@ -37,10 +37,10 @@ inline constexpr DeviceModel simulated_touch{.mass = 0.045,
                                                               .workspace = {0.160, 0.070, 0.120}}};
 
 /// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (800 N/m, the m_maxLinearStiffness
-/// in its block "Premium 1.5 6DOF"); Choi and Tan (Effect of update rate on perceived instability of virtual haptic texture, 2004)
-/// found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is the stiffness of
-/// the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction, which is
-/// assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
+/// in its block "Premium 1.5 6DOF"); Choi and Tan (Effect of update rate on perceived instability of virtual haptic
+/// texture, 2004) found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is
+/// the stiffness of the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction,
+/// which is assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
 inline constexpr DeviceModel simulated_premium{.mass = 0.075,
                                                .viscous = 0.005,
                                                .dry = 0.04,

@@ -56,8 +56,8 @@ struct CoupledForce {
 /// changes it: a guard that brings the force up by its ramp while the hand is pressed in stiffens the spring under it,
 /// and gives up to the work of that spring, ½·K·depth², 5 mJ at 400 N/m and 5 mm, which no damper before it takes back.
 ///
-/// Stands before the guard, which holds its limits at the motors; `GuardLimits::stiffness` is (1 + 1.5·lag)·K then. A force or position that is no number is passed on;
-/// the one after it counts as the first. Does not throw, does not allocate.
+/// Stands before the guard, which holds its limits at the motors; `GuardLimits::stiffness` is (1 + 1.5·lag)·K then. A force
+/// or position that is no number is passed on; the one after it counts as the first. Does not throw, does not allocate.
 class VirtualCoupling {
 public:
     constexpr explicit VirtualCoupling(const VirtualCouplingOptions& options) noexcept
