@@ -247,7 +247,7 @@ TEST_CASE("SimulatedDevice: a model that makes no sense does not start", "[simul
 TEST_CASE("SimulatedDevice: with encoders that make no sense it does not start",
           "[simulated_device][regression]") {
     const auto starts = [](const auto& encoders) {
-        SimulatedDevice device{DeviceCapabilities{.rate = 1000}, SameAxes<MovingMass>{{.mass = 0.1}},
+        SimulatedDevice device{DeviceCapabilities{.rate = 1000}, SameAxes<StickSlipMass>{{.mass = 0.1}},
                                encoders, Still{}, 0.01};
         const auto end = device.run([](const DeviceSample&) -> DeviceCommand { return {}; });
         CHECK((end == DeviceEnd::stopped) == device.valid());
