@@ -51,8 +51,8 @@ struct Bounds {
     double margin = 0.005;     ///< m from the edge of the device's workspace that count as there
 };
 
-/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. Where a ridge lets go
-/// of the proxy far from the stylus it glides, so that no update takes long.
+/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. A proxy that a
+/// ridge releases far from the stylus glides there over several updates, so that none takes long.
 template <hfh::HeightField Field>
 class Scene {
 public:

@@ -164,7 +164,7 @@ TEST_CASE("phantom: a device that does not open, or does not start, is not avail
     CHECK(hd.scheduled.empty());
 }
 
-TEST_CASE("phantom: a force error lets go of the contact, and the run goes on", "[phantom]") {
+TEST_CASE("phantom: a force error ends the contact, and the run goes on", "[phantom]") {
     const unsigned code = GENERATE(0x200u, 0x201u, 0x202u, 0x203u, 0x204u);
     auto& hd = fresh();
     Phantom device;
@@ -259,7 +259,7 @@ TEST_CASE("phantom: with warm motors there is no force until they have cooled, a
     CHECK(hd.breaches == Names{});
 }
 
-TEST_CASE("phantom: a device fault lets go of the contact, and the run goes on once the driver has recovered",
+TEST_CASE("phantom: a device fault ends the contact, and the run goes on once the driver has recovered",
           "[phantom][regression]") {
     auto& hd = fresh();
     Phantom device;
@@ -845,7 +845,7 @@ TEST_CASE("phantom: a terrain is felt through tracker, workspace and guard", "[p
     CHECK(up[900] == 0);
     CHECK(up[1500] == Approx(1.6));
     for (int n = 2001; n < 3218; ++n)
-        CHECK(up[static_cast<std::size_t>(n)] == 0); // let go: buried until out once
+        CHECK(up[static_cast<std::size_t>(n)] == 0); // contact ended: buried until out once
     CHECK(up[4900] == Approx(1.6));
     CHECK(up[5000] == 0);                         // the clutch
     CHECK(up[5350] == Approx(0.8).epsilon(0.02)); // half the ramp

@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <cmath>
 
-// What a guard goes by: its thresholds, and the names of what trips it.
+// A guard's thresholds, and the names of what trips it.
 
 namespace hfh {
 
-/// Why a guard let the force go to zero, gravest first.
+/// Why a guard set the force to zero, gravest first.
 enum class GuardTrip : unsigned char {
     none,
-    bad_limits,   ///< a limit is no number to go by: no force, ever
+    bad_limits,   ///< a limit is out of range: no force, ever
     bad_sample,   ///< time or position: NaN, ±∞ or beyond 2⁶⁴
     bad_force,    ///< the force asked for: NaN, ±∞ or beyond 2⁶⁴ N
     device_fault, ///< the device says that it refused a force (`DeviceSample::force_refused`)
     stale,        ///< time went on, or fell, by more than `max_gap`: the last force was felt for too long
     repeated, ///< time did not go on for more than `max_repeats` updates, or the same place for `max_still`
     jump,     ///< farther than a hand gets in the time
-    buried    ///< the caller says that the stylus is below the surface without having met it
+    buried    ///< the caller says that the stylus is below the surface without contact
 };
 inline constexpr int guard_trip_count = 9;
 

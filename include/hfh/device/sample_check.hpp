@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-// Whether samples come from a device in a hand, told from their times and places alone.
+// Whether samples can come from a device in a hand, judged by their times and places alone.
 
 namespace hfh {
 
@@ -16,7 +16,7 @@ struct CheckedSample {
     double moved = 0;  ///< m since the sample before
 };
 
-/// Looks at samples one after the other: `stale`, `repeated`, `jump` as in `GuardTrip`.
+/// Checks samples one after the other: `stale`, `repeated`, `jump` as in `GuardTrip`.
 ///
 /// `GuardLimits::max_gap` is the longest time between two samples that is not stale. Two more times are as long, and
 /// have names of their own here:

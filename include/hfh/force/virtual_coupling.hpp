@@ -43,11 +43,10 @@ struct CoupledForce {
 /// that jumps, as from face to face or when the scene changes, is carried no farther than K·|s|; none is ever turned
 /// back. At rest nothing is added, so that depths and forces are the spring's.
 ///
-/// What holds, and what does not: there is no account here and so no bound for any motion whatever (`EnergyTank` has
-/// one, and erases light contacts by it). What is measured with the simulated Touch is in
-/// bench/results/closed_loop.md; `PassivityObserver` counts what a hand in fact got. The damper sees encoder steps: one
-/// step q more or less is a force of (1 + 1.5·lag)·K·q for one update, 0.05 N with the Touch; beyond 2·(dry friction) it
-/// keeps a device trembling between two steps (`LimitCycleFilter`).
+/// There is no account of energy here and so no bound that holds for every motion (`EnergyTank` has one, and takes light
+/// contacts away for it). bench/results/closed_loop.md has what a hand gets on the simulated Touch; `PassivityObserver`
+/// counts it for any device. The damper sees encoder steps: one step q more or less is a force of (1 + 1.5·lag)·K·q for one
+/// update. Where that is more than 2·(dry friction), the device keeps trembling between two steps (`LimitCycleFilter`).
 ///
 /// Two limits of it. Where a loop is slow and late the damper's own force comes too late: it then lowers the stiffness
 /// that the loop bears. A wall at 200 Hz with a delay of 2 updates, the mass of the Touch in a hand of 300 N/m and

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-// What a device tells of the place where it is.
+// A position as a device's encoders tell it.
 
 namespace hfh {
 
@@ -35,7 +35,7 @@ struct JointEncoders {
         return is_at_least_zero(upper) && upper > 0 && is_at_least_zero(lower) && lower > 0 &&
                is_finite(shoulder) && is_at_least_zero(step);
     }
-    /// A position that the links do not reach is told as the nearest one along the ray from the shoulder that they do.
+    /// A position out of reach is told as the nearest one within reach on the ray from the shoulder.
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) const noexcept {
         if (!(step > 0)) return position;
         const glm::dvec3 from = position - shoulder;
