@@ -216,6 +216,17 @@ void flow() {
            beyond_chance);
 }
 
+/// A point in plan on the terrain or up to a cell beside it, on a grid line where that is asked for.
+template <Real T>
+glm::dvec2 random_place(Random& random, const Terrain<T>& ground, bool on_column, bool on_row) {
+    const double columns = static_cast<double>(ground.columns - 1),
+                 rows = static_cast<double>(ground.rows - 1);
+    const glm::dvec2 cells{on_column ? std::round(random.between(0, columns))
+                                     : random.between(-1, columns + 1),
+                           on_row ? std::round(random.between(0, rows)) : random.between(-1, rows + 1)};
+    return ground.frame.origin + cells * ground.frame.spacing;
+}
+
 /// Against brute force over every cell; a segment within 1e-11 m of a graze may go either way.
 template <Real T>
 void first_crossing() {
@@ -259,14 +270,8 @@ void first_crossing() {
     while (segments < count) {
         const auto& ground =
             grounds[static_cast<std::size_t>(random.whole(0, static_cast<std::int64_t>(grounds.size()) - 1))];
-        const auto& frame = ground.frame;
         const auto place = [&](bool on_column, bool on_row) {
-            const double columns = static_cast<double>(ground.columns - 1),
-                         rows = static_cast<double>(ground.rows - 1);
-            const glm::dvec2 cells{
-                on_column ? std::round(random.between(0, columns)) : random.between(-1, columns + 1),
-                on_row ? std::round(random.between(0, rows)) : random.between(-1, rows + 1)};
-            return frame.origin + cells * frame.spacing;
+            return random_place(random, ground, on_column, on_row);
         };
         const auto z = [&] {
             return random.one_in(2) ? random.between(-2, 6) : random.fraction(-1, 5, 64) + 1e-3;

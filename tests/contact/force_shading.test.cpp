@@ -111,6 +111,21 @@ TEMPLATE_TEST_CASE("shaded_slopes: are the means at the vertices, interpolated",
     }
 }
 
+/// At three points of its east edge and its north edge, and at the vertex between, cell (i, j) has the slopes of its
+/// neighbours.
+template <class Grid, Real T>
+void check_seams(const Grid& grid, Index i, Index j, T s) {
+    const bool has_east = grid.patch({i + 1, j}).has_value(), has_north = grid.patch({i, j + 1}).has_value();
+    for (const T along : {T(0), s, T(1)}) {
+        const auto east = shaded_slopes(grid, {{i, j}, T(1), along});
+        const auto north = shaded_slopes(grid, {{i, j}, along, T(1)});
+        if (has_east) CHECK(*east == *shaded_slopes(grid, {{i + 1, j}, T(0), along}));
+        if (has_north) CHECK(*north == *shaded_slopes(grid, {{i, j + 1}, along, T(0)}));
+    }
+    const auto corner = shaded_slopes(grid, {{i, j}, T(1), T(1)});
+    if (grid.patch({i + 1, j + 1})) CHECK(*corner == *shaded_slopes(grid, {{i + 1, j + 1}, T(0), T(0)}));
+}
+
 TEMPLATE_TEST_CASE("shaded_slopes: agree to the bit wherever patches meet", "[force_shading][law]", float,
                    double) {
     using T = TestType;
@@ -122,20 +137,7 @@ TEMPLATE_TEST_CASE("shaded_slopes: agree to the bit wherever patches meet", "[fo
             CAPTURE(scene.name, holes);
             for (Index j = 0; j + 1 < scene.terrain.rows; ++j) {
                 for (Index i = 0; i + 1 < scene.terrain.columns; ++i) {
-                    if (!grid.patch({i, j})) continue;
-                    const T s = static_cast<T>(random.unit());
-                    for (const T along : {T(0), s, T(1)}) {
-                        const auto east = shaded_slopes(grid, {{i, j}, T(1), along});
-                        const auto north = shaded_slopes(grid, {{i, j}, along, T(1)});
-                        if (grid.patch({i + 1, j}))
-                            CHECK(*east == *shaded_slopes(grid, {{i + 1, j}, T(0), along}));
-                        if (grid.patch({i, j + 1}))
-                            CHECK(*north == *shaded_slopes(grid, {{i, j + 1}, along, T(0)}));
-                    }
-                    const auto corner = shaded_slopes(grid, {{i, j}, T(1), T(1)});
-                    if (grid.patch({i + 1, j + 1})) {
-                        CHECK(*corner == *shaded_slopes(grid, {{i + 1, j + 1}, T(0), T(0)}));
-                    }
+                    if (grid.patch({i, j})) check_seams(grid, i, j, static_cast<T>(random.unit()));
                 }
             }
         }

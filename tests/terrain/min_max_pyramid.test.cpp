@@ -79,10 +79,33 @@ struct Count {
     int blocks = 0, holed = 0;
 };
 
+template <hfh::Real T>
+bool same(const HeightRange<T>& a, const HeightRange<T>& b) {
+    return a.lowest == b.lowest && a.highest == b.highest;
+}
+
+/// How many ranges of a block with one of its neighbours, on two sides, are not what bounds both, or nothing.
+template <class Field>
+Index wrong_beside(const Field& field, int level, Cell block,
+                   const HeightRange<typename Field::Scalar>& wanted) {
+    using T = typename Field::Scalar;
+    const Index side = block_side<typename Field::Grid::SampleType>(level);
+    const Cell last = field.cells().last;
+    Index wrong = 0;
+    for (const Cell other : {Cell{block.i + 1, block.j}, Cell{block.i, block.j + 1}}) {
+        if (other.i * side >= last.i || other.j * side >= last.j) continue;
+        const auto beside = by_patches<Field>(field.grid(), level, other);
+        const HeightRange<T> both{std::min(wanted.lowest, beside.lowest),
+                                  std::max(wanted.highest, beside.highest)};
+        wrong += same(field.block_range(level, block, other), both) ? 0 : 1;
+        wrong += same(field.block_range(level, other, block), both) ? 0 : 1;
+    }
+    return wrong;
+}
+
 /// Every block of every level against its patches.
 template <class Field>
 Count check_all(const Field& field) {
-    using T = typename Field::Scalar;
     Count count;
     Index wrong = 0;
     const Cell last = field.cells().last;
@@ -92,20 +115,10 @@ Count check_all(const Field& field) {
             for (Index i = 0; i * side < last.i; ++i) {
                 const auto wanted = by_patches<Field>(field.grid(), level, {i, j});
                 const auto found = field.block_range(level, {i, j}, {i, j});
-                wrong += found.lowest == wanted.lowest && found.highest == wanted.highest ? 0 : 1;
-                // With the neighbours on two sides: what bounds both, or nothing.
-                for (const Cell other : {Cell{i + 1, j}, Cell{i, j + 1}}) {
-                    if (other.i * side >= last.i || other.j * side >= last.j) continue;
-                    const auto beside = by_patches<Field>(field.grid(), level, other);
-                    const auto both = field.block_range(level, {i, j}, other);
-                    const auto turned = field.block_range(level, other, {i, j});
-                    const T low = std::min(wanted.lowest, beside.lowest),
-                            high = std::max(wanted.highest, beside.highest);
-                    wrong += both.lowest == low && both.highest == high ? 0 : 1;
-                    wrong += turned.lowest == low && turned.highest == high ? 0 : 1;
-                }
+                wrong += same(found, wanted) ? 0 : 1;
+                wrong += wrong_beside(field, level, {i, j}, wanted);
                 ++count.blocks;
-                count.holed += wanted.highest == std::numeric_limits<T>::max() ? 1 : 0;
+                count.holed += wanted.highest == std::numeric_limits<typename Field::Scalar>::max() ? 1 : 0;
             }
         }
         // The highest level is the first that has one block.

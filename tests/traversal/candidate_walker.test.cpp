@@ -334,6 +334,27 @@ TEST_CASE("candidate_walker: a segment of thousands of cells drifts nowhere", "[
     CHECK(longest > 5000);
 }
 
+/// Whether the segment from a to b meets cell c grown by `margin` cells on every side.
+bool meets_grown(const glm::dvec2& origin, const glm::dvec2& spacing, const glm::dvec2& a,
+                 const glm::dvec2& b, Cell c, long double margin) {
+    using Exact = long double;
+    Exact t_in = 0, t_out = 1;
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto along = [&](const glm::dvec2& p) { return static_cast<Exact>(axis == 0 ? p.x : p.y); };
+        const Exact from = (along(a) - along(origin)) / along(spacing);
+        const Exact to = (along(b) - along(origin)) / along(spacing);
+        const auto line = static_cast<Exact>(axis == 0 ? c.i : c.j);
+        const Exact low = line - margin, high = line + 1 + margin;
+        if (from == to) {
+            if (from < low || from > high) return false;
+            continue;
+        }
+        t_in = std::max(t_in, std::min((low - from) / (to - from), (high - from) / (to - from)));
+        t_out = std::min(t_out, std::max((low - from) / (to - from), (high - from) / (to - from)));
+    }
+    return t_in <= t_out;
+}
+
 TEST_CASE("candidate_walker: on numbers that are not exact it errs by less than a billionth of a cell",
           "[walker][law]") {
     using Exact = long double;
@@ -362,25 +383,8 @@ TEST_CASE("candidate_walker: on numbers that are not exact it errs by less than 
         CAPTURE(n, a.x, a.y, b.x, b.y, origin.x, origin.y, spacing.x, spacing.y);
         REQUIRE(out_of_order(spans, range) == "");
 
-        // Does the segment meet the cell grown by `margin` cells on every side?
         const auto meets = [&](Cell c, Exact margin) {
-            Exact t_in = 0, t_out = 1;
-            for (int axis = 0; axis < 2; ++axis) {
-                const auto along = [&](const glm::dvec2& p) {
-                    return static_cast<Exact>(axis == 0 ? p.x : p.y);
-                };
-                const Exact from = (along(a) - along(origin)) / along(spacing);
-                const Exact to = (along(b) - along(origin)) / along(spacing);
-                const auto line = static_cast<Exact>(axis == 0 ? c.i : c.j);
-                const Exact low = line - margin, high = line + 1 + margin;
-                if (from == to) {
-                    if (from < low || from > high) return false;
-                    continue;
-                }
-                t_in = std::max(t_in, std::min((low - from) / (to - from), (high - from) / (to - from)));
-                t_out = std::min(t_out, std::max((low - from) / (to - from), (high - from) / (to - from)));
-            }
-            return t_in <= t_out;
+            return meets_grown(origin, spacing, a, b, c, margin);
         };
         // Positions of 1e7 m are known to 2e-9 m; grid lines are asked for to no better.
         const Exact margin =
@@ -467,6 +471,20 @@ TEST_CASE("candidate_walker: the visitor stops the walk", "[walker]") {
     }
 }
 
+/// NaN where a corner is a hole.
+template <hfh::Real T>
+double highest_corner(const hfh::test::Terrain<T>& terrain, Cell cell) {
+    double highest = -1e9;
+    for (const Index i : {cell.i, cell.i + 1}) {
+        for (const Index j : {cell.j, cell.j + 1}) {
+            const auto corner = static_cast<double>(terrain.at(i, j));
+            highest =
+                std::isnan(corner) || std::isnan(highest) ? corner + highest : std::max(highest, corner);
+        }
+    }
+    return highest;
+}
+
 TEMPLATE_TEST_CASE(
     "candidate_walker: candidates are the patches whose highest corner the segment does not stay above",
     "[walker][law]", float, double) {
@@ -500,14 +518,7 @@ TEMPLATE_TEST_CASE(
             CAPTURE(n, e.cell.i, e.cell.j);
             const auto found = std::count_if(spans.begin(), spans.end(),
                                              [&](const CellSpan& s) { return s.cell == e.cell; });
-            double highest = -1e9;
-            for (const Index i : {e.cell.i, e.cell.i + 1}) {
-                for (const Index j : {e.cell.j, e.cell.j + 1}) {
-                    const auto corner = static_cast<double>(terrain.at(i, j));
-                    highest = std::isnan(corner) || std::isnan(highest) ? corner + highest
-                                                                        : std::max(highest, corner);
-                }
-            }
+            const double highest = highest_corner(terrain, e.cell);
             if (std::isnan(highest)) {
                 ++holes;
                 REQUIRE(found == 0);
