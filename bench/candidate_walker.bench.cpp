@@ -90,7 +90,7 @@ void candidates(benchmark::State& state, const Terrain& terrain, double length) 
 } // namespace
 
 void register_benchmarks() {
-    for (std::size_t t = 0; t < 2; ++t) {
+    for (const TerrainKind& kind : {small_hills, large_hills}) {
         const std::string ground = kind.name;
         for (std::size_t l = 0; l < std::size(segment_lengths); ++l) {
             const double length = segment_lengths[l];
