@@ -87,7 +87,7 @@ def read_measured(lines):
     """What hfh_goals found: the machine, the median of all runs for each number and workload, and what was skipped."""
     about, *lines = lines
     lines = [dict(line) for line in lines]
-    machine = {key: lines[0][key] for key in ("cpu", "compiler", "flags")}
+    machine = {key: lines[0][key] for key in ("cpu", "last_cache", "compiler", "flags")}
     numbers, workloads, skipped = {}, {}, {}
     for line in lines:
         if "goal" in line:
@@ -251,6 +251,10 @@ def of(circumstance):
     return f"{circumstance['date']}, commit {circumstance['commit']}{shared}"
 
 
+def processor(machine):
+    return f"{machine['cpu']} with a last cache of {machine['last_cache']}" if machine["last_cache"] else machine["cpu"]
+
+
 def latest(measured):
     return max(measured["numbers"].values(), key=lambda n: n["date"])
 
@@ -291,7 +295,7 @@ def goals_page(goals, measured):
     machine = measured["machine"]
     of_clone = [g for g in goals if not g.get("shared")]
     of_shared = [g for g in goals if g.get("shared")]
-    out = [f"{machine['cpu']}, one core; {machine['compiler']}, `{machine['flags']}`; {of(latest(measured))}. Medians of "
+    out = [f"{processor(machine)}, one core; {machine['compiler']}, `{machine['flags']}`; {of(latest(measured))}. Medians of "
            f"{RUNS} runs; `double` where nothing else is said; subject and reference in turn, in slices, in one process. "
            "A load above 1 is other work on the same machine: times and worst updates are then longer than they are alone.",
            "", "Anyone can measure these with a clone, `cmake --build build --target bench`:", "",
@@ -316,14 +320,14 @@ def goals_json(measured):
 
 def goals_to_look_at(goals, measured, record):
     """What `show` prints."""
-    out = [f"{measured['machine']['cpu']}, {measured['machine']['compiler']}; {of(latest(measured))}", ""]
+    out = [f"{processor(measured['machine'])}, {measured['machine']['compiler']}; {of(latest(measured))}", ""]
     same_machine = measured["machine"] == record["machine"]
     out += goal_table(goals, measured, record if record["machine"] else None)
     out += ["", *(f"skipped: {what}; {why}" for what, why in measured["skipped"].items())]
     if record["machine"] is None:
         out.append("Nothing is on record.")
     elif not same_machine:
-        out.append(f"The record is of another machine ({record['machine']['cpu']}, {record['machine']['compiler']}, "
+        out.append(f"The record is of another machine ({processor(record['machine'])}, {record['machine']['compiler']}, "
                    f"`{record['machine']['flags']}`): ratios may be compared, times may not, and neither fails.")
     return "\n".join(out)
 
@@ -353,7 +357,7 @@ def read_benchmarks(directory):
     for program in PROGRAMS:
         got = json.loads((directory / f"{program}.json").read_text())
         context = got["context"]
-        machine = {key: context[key] for key in ("cpu", "compiler", "flags", "date", "commit", "load", "cores")}
+        machine = {key: context[key] for key in ("cpu", "last_cache", "compiler", "flags", "date", "commit", "load", "cores")}
         times = {}
         runs = [run for run in got["benchmarks"] if run["run_type"] == "iteration"]
         for run in sorted(runs, key=lambda run: run["family_index"]):
@@ -373,7 +377,7 @@ def read_benchmarks(directory):
 
 def heading(machine, lines):
     repetitions = next(iter(lines.values()))["repetitions"]
-    return (f"{machine['cpu']}; {machine['compiler']}, `{machine['flags']}`; {of(machine)}. Times are medians of "
+    return (f"{processor(machine)}; {machine['compiler']}, `{machine['flags']}`; {of(machine)}. Times are medians of "
             f"{repetitions} repetitions, in nanoseconds of processor time.")
 
 

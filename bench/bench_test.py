@@ -12,7 +12,7 @@ import unittest
 
 import bench
 
-HERE = {"cpu": "a \"processor\" of 2 \\ 3 GHz", "compiler": "a compiler", "flags": "-O3"}
+HERE = {"cpu": "a \"processor\" of 2 \\ 3 GHz", "last_cache": "8192 KiB", "compiler": "a compiler", "flags": "-O3"}
 ELSEWHERE = {**HERE, "cpu": "another processor"}
 ABOUT = {"date": "2026-01-02", "commit": "abc1234", "load": 0.3, "cores": 2}
 RATIO = {"id": "speed", "what": "speed", "kind": "ratio", "unit": "×", "at_least": 5, "why": "because"}
@@ -69,7 +69,7 @@ class Verdicts(unittest.TestCase):
                          ["no longer met: worst: near: 12 µs"])
 
     def test_ratios_and_times_of_another_machine_hold_nothing(self):
-        for other in ELSEWHERE, {**HERE, "flags": "-O2"}, {**HERE, "compiler": "another"}:
+        for other in ELSEWHERE, {**HERE, "last_cache": "4096 KiB"}, {**HERE, "flags": "-O2"}, {**HERE, "compiler": "another"}:
             before = measured(speed=[6], worst={"near": [9], "far": [12]})
             self.assertFalse(failures(measured(other, speed=[1], worst={"near": [99], "far": [99]}), before, RATIO, TIME))
 

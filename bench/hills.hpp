@@ -61,12 +61,14 @@ public:
         }
     }
 
+    static constexpr double spacing = 10;               ///< metres, the paper's
     static constexpr double lowest = 0, highest = 4000; ///< about
+    static constexpr double steepest = 2;               ///< no more: the octaves' slopes add to less
 
 private:
     static constexpr Index side = 2048, step = 64;
 
-    /// ±470 m, with the slopes of hills at 30 m from sample to sample.
+    /// ±470 m.
     static float detail_at(Index i, Index j) {
         double sum = 0, amplitude = 256;
         for (Index wavelength = 256; wavelength >= 2; wavelength /= 2, amplitude *= 0.45) {

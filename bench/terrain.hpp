@@ -53,8 +53,8 @@ inline constexpr TerrainKind spanish_peaks    {"spanish_peaks",     "spanish_pea
 /// At the paper's own spacing, which makes the same ground 7 to 9 times steeper.
 inline constexpr TerrainKind spanish_peaks_10m{"spanish_peaks_10m", "spanish_peaks", Source::bundled,    300,  300, {10, 10}};
 /// Of the sizes of Sugarhouse and Moab in Table 1 [P].
-inline constexpr TerrainKind small_hills      {"hills_0.28M",       "",              Source::generated,  541,  511, {30, 30}};
-inline constexpr TerrainKind large_hills      {"hills_1.56M",       "",              Source::generated, 1405, 1112, {30, 30}};
+inline constexpr TerrainKind small_hills      {"hills_0.28M",       "",              Source::generated,  541,  511, {Hills::spacing, Hills::spacing}};
+inline constexpr TerrainKind large_hills      {"hills_1.56M",       "",              Source::generated, 1405, 1112, {Hills::spacing, Hills::spacing}};
 inline constexpr TerrainKind terrains_of_a_clone[] = {spanish_peaks, small_hills, large_hills, spanish_peaks_10m};
 
 inline constexpr TerrainKind big_tujunga         {"big_tujunga",          "sugarhouse_standin", Source::shared,  541,  511, {30, 30}};

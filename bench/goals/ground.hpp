@@ -102,15 +102,21 @@ template <Sample S>
     return ground;
 }
 
-/// `columns` × `rows` samples of the hills, 30 m apart, in memory.
+/// `columns` × `rows` samples of the hills, in memory.
 [[nodiscard]] inline Ground<std::int16_t> hills_in_memory(const char* name, Index columns, Index rows) {
     const std::shared_ptr<std::int16_t[]> samples{new std::int16_t[static_cast<std::size_t>(columns * rows)]};
     const Hills hills;
     for (Index j = 0; j < rows; ++j) hills.row(j, columns, samples.get() + j * columns);
-    Ground<std::int16_t> ground{
-        {name, "", Source::generated, columns, rows, {30, 30}, Hills::lowest, Hills::highest},
-        {samples, samples.get()}};
-    ground.steepest = 10; // no more than that, at 30 m: the octaves' slopes add to less
+    Ground<std::int16_t> ground{{name,
+                                 "",
+                                 Source::generated,
+                                 columns,
+                                 rows,
+                                 {Hills::spacing, Hills::spacing},
+                                 Hills::lowest,
+                                 Hills::highest},
+                                {samples, samples.get()}};
+    ground.steepest = Hills::steepest;
     return ground;
 }
 

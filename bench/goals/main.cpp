@@ -79,6 +79,7 @@ int main(int argc, char** argv) {
 
     JsonLine{}
         .add("cpu", cpu_name())
+        .add("last_cache", last_cache())
         .add("compiler", std::string{compiler_name})
         .add("flags", std::string{HFH_BENCH_FLAGS})
         .print();
