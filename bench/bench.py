@@ -259,6 +259,10 @@ def latest(measured):
     return max(measured["numbers"].values(), key=lambda n: n["date"])
 
 
+def most_runs(measured):
+    return max(len(n["runs"]) for n in measured["numbers"].values())
+
+
 def workload_table(measured, source):
     lines = [w for w in measured["workloads"].values() if (w["source"] == "shared") == (source == "shared")]
     names = list(dict.fromkeys(w["workload"] for w in lines))
@@ -283,6 +287,8 @@ def detail_table(goals, measured):
             notes = [part for part in (f"{times[0]} against {times[1]} ns" if times else "", n["note"],
                                        of(n) if of(n) != of(latest(measured)) else "") if part]
             spread = f"{text(min(n['runs']))} to {text(max(n['runs']))}" if len(set(n["runs"])) > 1 else ""
+            if len(n["runs"]) < most_runs(measured):
+                spread += f"{', ' if spread else ''}{len(n['runs'])} run{'s' if len(n['runs']) > 1 else ''}"
             if spread or notes:
                 rows.append([goal["id"], n["figure"], text(n["value"]), spread, "; ".join(notes)])
     return table(["goal", "figure", "median", "of the runs", "made of"], rows, right=(2, 3))
@@ -296,7 +302,7 @@ def goals_page(goals, measured):
     of_clone = [g for g in goals if not g.get("shared")]
     of_shared = [g for g in goals if g.get("shared")]
     out = [f"{processor(machine)}, one core; {machine['compiler']}, `{machine['flags']}`; {of(latest(measured))}. Medians of "
-           f"{RUNS} runs; `double` where nothing else is said; subject and reference in turn, in slices, in one process. "
+           f"{most_runs(measured)} runs, or of fewer where that is said; `double` where nothing else is said; subject and reference in turn, in slices, in one process. "
            "A load above 1 is other work on the same machine: times and worst updates are then longer than they are alone.",
            "", "Anyone can measure these with a clone, `cmake --build build --target bench`:", "",
            *goal_table(of_clone, measured)]
@@ -352,38 +358,60 @@ NOT_COUNTERS = {"name", "family_index", "per_family_instance_index", "run_name",
 
 
 def read_benchmarks(directory):
-    """The machine, and {name: line} in the order in which the programs list their benchmarks."""
-    machine, lines = {}, {}
+    """The machine, when and how each program was run, and {name: line} in the order in which the programs list them."""
+    found = {"machine": None, "programs": {}, "lines": {}}
     for program in PROGRAMS:
+        if not (directory / f"{program}.json").exists():
+            continue
         got = json.loads((directory / f"{program}.json").read_text())
         context = got["context"]
-        machine = {key: context[key] for key in ("cpu", "last_cache", "compiler", "flags", "date", "commit", "load", "cores")}
+        found["machine"] = {key: context[key] for key in ("cpu", "last_cache", "compiler", "flags")}
         times = {}
         runs = [run for run in got["benchmarks"] if run["run_type"] == "iteration"]
         for run in sorted(runs, key=lambda run: run["family_index"]):
             name = run["run_name"].split("/min_time:")[0]
             assert run["time_unit"] == "ns"
-            # Those with a clock of their own tell its time, on which all repetitions agree, as real time.
+            # Those with a clock of their own tell its time as real time.
             own_clock = run["run_name"].endswith("/manual_time")
             times.setdefault(name, []).append(run["real_time" if own_clock else "cpu_time"])
             counters = {key: round(value, 4) for key, value in run.items()
                         if key not in NOT_COUNTERS and isinstance(value, (int, float))}
-            lines[name] = {"name": name, "median_ns": round(statistics.median(times[name]), 2),
-                           "min_ns": round(min(times[name]), 2), "repetitions": len(times[name]), **counters}
+            found["lines"][name] = {"name": name, "program": program,
+                                    "median_ns": round(statistics.median(times[name]), 2),
+                                    "min_ns": round(min(times[name]), 2), **counters}
             if "label" in run:
-                lines[name]["source"] = run["label"]
-    return machine, lines
+                found["lines"][name]["source"] = run["label"]
+        found["programs"][program] = {**{key: context[key] for key in ("date", "commit", "load", "cores")},
+                                      "repetitions": max(len(all_times) for all_times in times.values())}
+    return found
 
 
-def heading(machine, lines):
-    repetitions = next(iter(lines.values()))["repetitions"]
-    return (f"{processor(machine)}; {machine['compiler']}, `{machine['flags']}`; {of(machine)}. Times are medians of "
-            f"{repetitions} repetitions, in nanoseconds of processor time.")
+def read_benchmark_record(file):
+    if not file.exists():
+        return {"machine": None, "programs": {}, "lines": {}}
+    got = json.loads(file.read_text())
+    return {"machine": got["machine"], "programs": got["programs"],
+            "lines": {line["name"]: line for line in got["benchmarks"]}}
 
 
-def updates_page(machine, lines):
-    first = lines["tracker/slide_0.5/hills_1.56M/double"]
-    out = [heading(machine, lines) +
+def benchmarks_and_kept(found, record):
+    """The programs that were run, and from a record of the same machine those that were not."""
+    if found["machine"] != record["machine"]:
+        return found
+    kept = {name: line for name, line in record["lines"].items() if line["program"] not in found["programs"]}
+    return {**found, "programs": {**record["programs"], **found["programs"]}, "lines": {**kept, **found["lines"]}}
+
+
+def heading(found, program):
+    machine, ran = found["machine"], found["programs"][program]
+    return (f"{processor(machine)}; {machine['compiler']}, `{machine['flags']}`; {of(ran)}. Times are medians of "
+            f"{ran['repetitions']} repetitions, in nanoseconds of processor time.")
+
+
+def updates_page(found):
+    lines = found["lines"]
+    first = next(line for name, line in lines.items() if name.startswith("tracker/"))
+    out = [heading(found, "proxy_tracker") +
            f" Worst: the slowest of 20,000 updates, each at its fastest in 25 replays, with one reading of the clock "
            f"({first['clock_ns']:.0f} ns) in it. Beside the heights {first['bytes_beside_heights']:.0f} bytes; "
            f"a tracker's state is {first['state_bytes']:.0f} bytes."]
@@ -399,30 +427,43 @@ def updates_page(machine, lines):
                 cells = [lines[f"tracker/{state}/{terrain}/{scalar}"] for terrain in terrains]
                 rows.append([title, *(f"{c['median_ns']:.0f} / {c['worst_ns']:.0f}" for c in cells)])
             out += table(["", *(TITLES[name] for name in terrains)], rows, right=range(1, 1 + len(terrains)))
-            one = lines[f"reference/dependent_evaluation/hills_64x64/{scalar}"]["median_ns"]
-            out += ["", f"For comparison, one evaluation of height and normal, each waiting for the last: {one:.0f}."]
+            if not shared:
+                one = lines[f"reference/dependent_evaluation/hills_64x64/{scalar}"]["median_ns"]
+                out += ["", f"For comparison, one evaluation of height and normal, each waiting for the last: {one:.0f}."]
     return "\n".join(out) + "\n"
 
 
-def parts_page(machine, lines):
-    out = [heading(machine, lines) + " Names with a terrain of `../shared/data`, which a clone does not have, are in italics."]
-    names = [name for name in lines if not name.startswith(("tracker/", "reference/"))]
-    for part in dict.fromkeys(name.split("/")[0] for name in names):
-        here = [name for name in names if name.startswith(part + "/")]
-        columns = [c for c in COLUMNS if any(c in lines[name] for name in here)]
+def parts_page(found):
+    out = ["Names in italics are over terrain of `../shared/data`, which a clone does not have."]
+    for program in PROGRAMS:
+        here = [line for line in found["lines"].values() if line["program"] == program]
+        if program == "proxy_tracker" or not here:
+            continue
+        columns = [c for c in COLUMNS if any(c in line for line in here)]
         rows = []
-        for name in here:
-            line = lines[name]
+        for line in here:
             mark = "*" if line.get("source") == "shared" else ""
-            rows.append([f"{mark}`{name}`{mark}", text(line["median_ns"]),
+            rows.append([f"{mark}`{line['name']}`{mark}", text(line["median_ns"]),
                          *(f"{line[c]:.3g}" if c in line else "" for c in columns)])
-        out += ["", *table(["", "ns", *(COLUMNS[c] for c in columns)], rows, right=range(1, 2 + len(columns)))]
+        out += ["", heading(found, program), "",
+                *table(["", "ns", *(COLUMNS[c] for c in columns)], rows, right=range(1, 2 + len(columns)))]
     return "\n".join(out) + "\n"
 
 
-def benchmarks_json(machine, lines):
-    rows = ",\n".join("  " + json.dumps(line) for line in lines.values())
-    return f'{{"machine": {json.dumps(machine)},\n "benchmarks": [\n{rows}\n]}}\n'
+def benchmark_pages(found):
+    """{file: text}."""
+    pages = {}
+    if "proxy_tracker" in found["programs"]:
+        pages["updates.md"] = updates_page(found)
+    if any(program != "proxy_tracker" for program in found["programs"]):
+        pages["parts.md"] = parts_page(found)
+    return pages
+
+
+def benchmarks_json(found):
+    rows = ",\n".join("  " + json.dumps(line) for line in found["lines"].values())
+    return (f'{{"machine": {json.dumps(found["machine"])},\n "programs": {json.dumps(found["programs"])},\n'
+            f' "benchmarks": [\n{rows}\n]}}\n')
 
 
 # The commands.
@@ -441,9 +482,8 @@ def show(directory, results):
         for line in lost(goals, measured, record):
             print(line, file=sys.stderr)
             fine = False
-    if all((directory / f"{program}.json").exists() for program in PROGRAMS):
-        machine, lines = read_benchmarks(directory)
-        print("", updates_page(machine, lines), parts_page(machine, lines), sep="\n")
+    for page in benchmark_pages(read_benchmarks(directory)).values():
+        print("", page, sep="\n")
     return fine
 
 
@@ -464,14 +504,15 @@ def record(directory, results):
         print("written: goals.json, goals.md")
     else:
         print("as they were: goals.json, goals.md; the target bench measures them")
+    found = read_benchmarks(directory)
+    if found["programs"]:
+        found = benchmarks_and_kept(found, read_benchmark_record(results / "benchmarks.json"))
+        (results / "benchmarks.json").write_text(benchmarks_json(found))
+        for page, content in benchmark_pages(found).items():
+            (results / page).write_text(content)
+        print("written: benchmarks.json,", ", ".join(benchmark_pages(found)))
     if missing := [program for program in PROGRAMS if not (directory / f"{program}.json").exists()]:
-        print(f"as they were: benchmarks.json, updates.md, parts.md; the target bench_full measures {', '.join(missing)}")
-    else:
-        machine, lines = read_benchmarks(directory)
-        (results / "benchmarks.json").write_text(benchmarks_json(machine, lines))
-        (results / "updates.md").write_text(updates_page(machine, lines))
-        (results / "parts.md").write_text(parts_page(machine, lines))
-        print("written: benchmarks.json, updates.md, parts.md")
+        print(f"not measured: {', '.join(missing)}; the target bench_full does it")
     for page in PAGES:
         if (directory / page).exists():
             shutil.copyfile(directory / page, results / page)
