@@ -146,6 +146,51 @@ class Recording(unittest.TestCase):
             self.assertFalse((pathlib.Path(directory) / "goals.jsonl").exists())
 
 
+class Benchmarks(unittest.TestCase):
+    CONTEXT = {**HERE, **ABOUT}
+
+    def found(self, program, runs):
+        """What one program left: name, source, nanoseconds of each repetition, counters."""
+        benchmarks = [{"run_name": f"{name}/min_time:0.050", "run_type": "iteration", "family_index": k,
+                       "time_unit": "ns", "cpu_time": time, "real_time": 2 * time, "label": source, **counters}
+                      for k, (name, source, times, counters) in enumerate(runs) for time in times]
+        with tempfile.TemporaryDirectory() as directory:
+            file = pathlib.Path(directory) / f"{program}.json"
+            file.write_text(json.dumps({"context": self.CONTEXT, "benchmarks": benchmarks}))
+            return bench.read_benchmarks(pathlib.Path(directory))
+
+    def trackers(self, **terrains):
+        counters = {"worst_ns": 900.0, "clock_ns": 30.0, "bytes_beside_heights": 0.0, "state_bytes": 88.0}
+        runs = [(f"tracker/{state}/{terrain}/double", source, [100, 300, 200], counters)
+                for state, _ in bench.STATES for terrain, source in terrains.items()]
+        runs.append(("reference/dependent_evaluation/hills_64x64/double", "generated", [40], {}))
+        return self.found("proxy_tracker", runs)
+
+    def test_updates_of_a_clone_and_of_shared_terrain_have_tables_of_their_own(self):
+        page = bench.updates_page(self.trackers(spanish_peaks="bundled", trinidad="shared"))
+        self.assertIn("| sliding, 0.5 | 200 / 900 |", page)
+        self.assertLess(page.index("Spanish Peaks"), page.index("a clone does not have"))
+        self.assertLess(page.index("a clone does not have"), page.index("Trinidad"))
+        self.assertNotIn("a clone does not have", bench.updates_page(self.trackers(spanish_peaks="bundled")))
+
+    def test_parts_are_listed_with_their_counters(self):
+        page = bench.parts_page(self.found("first_hit", [("first_hit/a", "generated", [50], {"cells": 3.0}),
+                                                         ("first_hit/b", "shared", [60], {"cells": 4.0})]))
+        self.assertIn("| `first_hit/a` | 50 | 3 |", page)
+        self.assertIn("| *`first_hit/b`* | 60 | 4 |", page)
+
+    def test_a_program_that_was_not_run_keeps_its_record_of_the_same_machine(self):
+        record = self.found("first_hit", [("first_hit/a", "generated", [50], {})])
+        now = self.found("closest_point", [("closest_point/a", "generated", [60], {})])
+        with tempfile.TemporaryDirectory() as directory:
+            file = pathlib.Path(directory) / "benchmarks.json"
+            file.write_text(bench.benchmarks_json(record))
+            record = bench.read_benchmark_record(file)
+        self.assertEqual(set(bench.benchmarks_and_kept(now, record)["lines"]), {"first_hit/a", "closest_point/a"})
+        record["machine"] = ELSEWHERE
+        self.assertEqual(set(bench.benchmarks_and_kept(now, record)["lines"]), {"closest_point/a"})
+
+
 class Goals(unittest.TestCase):
     def test_each_goal_is_named_once_and_says_why(self):
         goals = bench.read_goals()
