@@ -133,27 +133,33 @@ BETTER = {"at_most": (lambda value, bound: value <= bound, 1 + SLACK, "at most")
 
 
 def sense(goal):
-    return next(key for key in BETTER if key in goal)
+    """None: a figure to look at, without a bound."""
+    return next((key for key in BETTER if key in goal), None)
+
+
+def figures_of(goal):
+    """The figures that are all shown, in order; none: of whatever was measured the worst is shown."""
+    bound = goal.get(sense(goal))
+    return list(bound) if isinstance(bound, dict) else goal.get("figures", [])
 
 
 def bound_of(goal, figure):
-    """None: a figure that has no goal."""
     bound = goal[sense(goal)]
-    return bound.get(figure) if isinstance(bound, dict) else bound
+    return bound[figure] if isinstance(bound, dict) else bound
 
 
 def met(goal, number, slack=False):
+    if sense(goal) is None:
+        return True
     holds, allowance, _ = BETTER[sense(goal)]
     bound = bound_of(goal, number["figure"])
     return number["value"] is not None and holds(number["value"], bound * (allowance if slack else 1))
 
 
 def numbers_of(goal, measured):
-    """In the order of the bounds, where each figure has one."""
     found = [n for (name, _), n in measured["numbers"].items() if name == goal["id"]]
-    found = [n for n in found if bound_of(goal, n["figure"]) is not None]
-    order = list(goal[sense(goal)]) if isinstance(goal[sense(goal)], dict) else []
-    return sorted(found, key=lambda n: order.index(n["figure"]) if order else 0)
+    figures = figures_of(goal)
+    return sorted((n for n in found if n["figure"] in figures), key=lambda n: figures.index(n["figure"])) if figures else found
 
 
 def is_lost(goal, number, record, same_machine):
@@ -202,15 +208,17 @@ def shown(goal, numbers):
     if not numbers:
         return "not measured"
     unit = " " + goal["unit"] if goal["unit"] else ""
-    if isinstance(goal[sense(goal)], dict):
+    if figures_of(goal):
         values = {n["figure"]: text(n["value"]) for n in numbers}
-        return " / ".join(values.get(figure, "–") for figure in goal[sense(goal)]) + unit
+        return " / ".join(values.get(figure, "–") for figure in figures_of(goal)) + unit
     worst = worst_of(goal, numbers)
     where = f" ({worst['figure']})" if len(numbers) > 1 and worst["figure"] and worst["value"] != 0 else ""
     return text(worst["value"]) + unit + where
 
 
 def bound_in_words(goal):
+    if sense(goal) is None:
+        return "none"
     bound = goal[sense(goal)]
     bounds = list(bound.values()) if isinstance(bound, dict) else [bound]
     if len(set(bounds)) == 1:
@@ -219,10 +227,13 @@ def bound_in_words(goal):
 
 
 def verdict(goal, numbers):
-    wanted = len(goal[sense(goal)]) if isinstance(goal[sense(goal)], dict) else 1
-    if len(numbers) < wanted:
-        return "not met" if not all(met(goal, n) for n in numbers) else "met where measured" if numbers else "not measured"
-    return "met" if all(met(goal, n) for n in numbers) else "not met"
+    if sense(goal) is None:
+        return ""
+    if not all(met(goal, n) for n in numbers):
+        return "not met"
+    if not numbers:
+        return "not measured"
+    return "met" if len(numbers) >= len(figures_of(goal)) else "met where measured"
 
 
 def table(head, rows, right=()):
@@ -297,10 +308,13 @@ def detail_table(goals, measured):
 SHARED = "Over terrain of `../shared/data`, which a clone does not have"
 
 
+def by_terrain(goals):
+    return [g for g in goals if not g.get("shared")], [g for g in goals if g.get("shared")]
+
+
 def goals_page(goals, measured):
     machine = measured["machine"]
-    of_clone = [g for g in goals if not g.get("shared")]
-    of_shared = [g for g in goals if g.get("shared")]
+    of_clone, of_shared = by_terrain(goals)
     out = [f"{processor(machine)}, one core; {machine['compiler']}, `{machine['flags']}`; {of(latest(measured))}. Medians of "
            f"{most_runs(measured)} runs, or of fewer where that is said; `double` where nothing else is said; subject and reference in turn, in slices, in one process. "
            "A load above 1 is other work on the same machine: times and worst updates are then longer than they are alone.",
@@ -328,7 +342,11 @@ def goals_to_look_at(goals, measured, record):
     """What `show` prints."""
     out = [f"{processor(measured['machine'])}, {measured['machine']['compiler']}; {of(latest(measured))}", ""]
     same_machine = measured["machine"] == record["machine"]
-    out += goal_table(goals, measured, record if record["machine"] else None)
+    beside = record if record["machine"] else None
+    of_clone, of_shared = by_terrain(goals)
+    out += goal_table(of_clone, measured, beside)
+    if any(numbers_of(goal, measured) for goal in of_shared):
+        out += ["", f"{SHARED}:", "", *goal_table(of_shared, measured, beside)]
     out += ["", *(f"skipped: {what}; {why}" for what, why in measured["skipped"].items())]
     if record["machine"] is None:
         out.append("Nothing is on record.")

@@ -91,6 +91,12 @@ class Tables(unittest.TestCase):
         self.assertIn("| worst | 9 / 21 µs | at most 10 / 20 | not met |", out)
         self.assertIn("| bytes | not measured | at most 0 | not measured |", out)
 
+    def test_a_figure_without_a_bound_is_shown_and_cannot_fail(self):
+        look = {"id": "look", "what": "look", "kind": "ratio", "unit": "×", "figures": ["a", "b"], "why": "None."}
+        now = measured(look={"b": [2], "a": [1]})
+        self.assertIn("| look | 1 / 2 × | none |  |", "\n".join(bench.goal_table([look], now)))
+        self.assertFalse(failures(measured(look={"a": [9], "b": [9]}), now, look))
+
     def test_of_several_figures_with_one_bound_the_worst_is_shown(self):
         out = "\n".join(bench.goal_table([RATIO], measured(speed={"a": [9], "b": [4], "c": [7]})))
         self.assertIn("| speed | 4 × (b) | at least 5 | not met |", out)
@@ -120,7 +126,7 @@ class Recording(unittest.TestCase):
 
     def test_only_record_writes_and_only_into_results(self):
         goal = bench.read_goals()[0]
-        figures = goal[bench.sense(goal)]
+        figures = bench.figures_of(goal)
         with tempfile.TemporaryDirectory() as directory:
             source, results = pathlib.Path(directory) / "measured", pathlib.Path(directory) / "results"
             source.mkdir()
@@ -197,7 +203,7 @@ class Goals(unittest.TestCase):
         self.assertEqual(len({goal["id"] for goal in goals}), len(goals))
         for goal in goals:
             self.assertIn(goal["kind"], ("ratio", "time", "count"))
-            self.assertEqual(sum(key in goal for key in bench.BETTER), 1, goal["id"])
+            self.assertEqual(sum(key in goal for key in [*bench.BETTER, "figures"]), 1, goal["id"])
             self.assertTrue(goal["why"].endswith("."), goal["id"])
 
     def test_every_goal_is_one_that_the_program_measures(self):
