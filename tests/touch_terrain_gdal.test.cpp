@@ -311,6 +311,52 @@ TEST_CASE("touch_terrain gdal: a band of a bil of several", "[touch_terrain][gda
     CHECK(contains(refusal(folder / "t.bil", {.channel = "3"}), "has the bands 1, 2"));
 }
 
+TEST_CASE("touch_terrain gdal: bytes of a bil have a sign where its NODATA is negative",
+          "[touch_terrain][gdal]") {
+    const Folder folder;
+    folder.samples<std::int8_t>("t.bil", {-1, 10, -128, 127});
+    const std::string header = "NROWS 2\nNCOLS 2\nNBITS 8\nNODATA -1\n";
+    folder.text("t.hdr", header);
+    const auto terrain = demo::read_terrain(folder / "t.bil", {.channel = "1"});
+    check_heights(terrain, {hole, 10, -128, 127});
+    CHECK(says(terrain, "integers with a sign, for t.hdr has no PIXELTYPE, but a NODATA of -1"));
+    folder.text("t.hdr", header + "pixeltype UNSIGNEDINT\n");
+    const auto unsigned_bytes = demo::read_terrain(folder / "t.bil", {.channel = "1"});
+    check_heights(unsigned_bytes, {255, 10, 128, 127});
+    CHECK(says(unsigned_bytes, "which no sample of type Byte can be"));
+    folder.text("t.hdr", header + "PIXELTYPE SIGNEDINT\n");
+    check_heights(demo::read_terrain(folder / "t.bil", {.channel = "1"}), {hole, 10, -128, 127});
+}
+
+TEST_CASE("touch_terrain gdal: a \"no data\" value that no sample can be is not dropped silently",
+          "[touch_terrain][gdal]") {
+    const Folder folder;
+    const auto said = [&]<class S>(S /*type*/, const std::string& no_data) {
+        const auto terrain =
+            demo::read_terrain(raster(folder, band<S>(folder, 1, {S(1), S(2), S(3), S(4)},
+                                                      "<NoDataValue>" + no_data + "</NoDataValue>")));
+        check_heights(terrain, {1, no_data == "2" ? hole : 2, 3, 4});
+        for (const std::string& sentence : terrain.assumed) {
+            if (contains(sentence, "no data")) return sentence.substr(sentence.find("that it is"));
+        }
+        return std::string{};
+    };
+    CHECK(said(std::uint8_t{}, "-9999") == "that it is -9999, which no sample of type Byte can be");
+    CHECK(said(std::uint8_t{}, "nan") == "that it is nan, which no sample of type Byte can be");
+    CHECK(said(std::uint16_t{}, "-1") == "that it is -1, which no sample of type UInt16 can be");
+    CHECK(said(std::int16_t{}, "2.5") == "that it is 2.5, which no sample of type Int16 can be");
+    CHECK(said(std::int32_t{}, "-3.4e38") == "that it is -3.4e+38, which no sample of type Int32 can be");
+    CHECK(said(std::uint32_t{}, "4294967296") ==
+          "that it is 4294967296, which no sample of type UInt32 can be");
+    CHECK(said(float{}, "-1e300") == "that it is -1e+300, which no sample of type Float32 can be");
+    CHECK(said(double{}, "-1e300").empty());
+    CHECK(said(std::uint8_t{}, "2").empty());
+    CHECK(said(std::int16_t{}, "2").empty());
+    CHECK(said(std::int32_t{}, "2").empty());
+    CHECK(said(float{}, "2").empty());
+    CHECK(said(float{}, "nan").empty());
+}
+
 TEST_CASE("touch_terrain gdal: a world file says how far apart an image's pixels are",
           "[touch_terrain][gdal]") {
     const Folder folder;

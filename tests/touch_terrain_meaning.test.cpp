@@ -114,15 +114,25 @@ TEST_CASE("touch_terrain bil: without PIXELTYPE, a negative NODATA means a sign"
         folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nNODATA -3.4e38\n");
         check_heights(demo::read_terrain(folder / "t.bil"), {-9999, 10, -5, 70000});
     }
-    SECTION("none without it, nor for bytes, as GDAL has it") {
+    SECTION("8 bits, of which GDAL does not think so") {
+        folder.samples<std::int8_t>("t.bil", {-1, 10, -128, 127});
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA -1\n");
+        const auto terrain = demo::read_terrain(folder / "t.bil");
+        check_heights(terrain, {hole, 10, -128, 127});
+        CHECK(says(terrain, "integers with a sign, for t.hdr has no PIXELTYPE, but a NODATA of -1"));
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 8\nPIXELTYPE SIGNEDINT\n");
+        check_heights(demo::read_terrain(folder / "t.bil"), {-1, 10, -128, 127});
+        CHECK_FALSE(says(demo::read_terrain(folder / "t.bil"), "sign"));
+    }
+    SECTION("none without it") {
         folder.samples<std::uint16_t>("t.bil", {65535, 10, 40000, 9});
         folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 16\nNODATA 9\n");
         const auto terrain = demo::read_terrain(folder / "t.bil");
         check_heights(terrain, {65535, 10, 40000, hole});
         CHECK(says(terrain, "without a sign, for t.hdr has no PIXELTYPE"));
         folder.samples<std::uint8_t>("t.bil", {255, 10, 128, 9});
-        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA -1\n");
-        check_heights(demo::read_terrain(folder / "t.bil"), {255, 10, 128, 9});
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA 9\n");
+        check_heights(demo::read_terrain(folder / "t.bil"), {255, 10, 128, hole});
     }
     SECTION("what PIXELTYPE says goes before") {
         folder.samples<std::uint16_t>("t.bil", {65535, 10, 40000, 9});
@@ -131,6 +141,43 @@ TEST_CASE("touch_terrain bil: without PIXELTYPE, a negative NODATA means a sign"
         check_heights(terrain, {65535, 10, 40000, 9});
         CHECK_FALSE(says(terrain, "PIXELTYPE"));
     }
+}
+
+TEST_CASE("touch_terrain bil: a NODATA that no sample can be is not dropped silently", "[touch_terrain]") {
+    const Folder folder;
+    const auto said = [&](int bits, const std::string& type, const std::string& no_data) {
+        folder.samples<std::uint8_t>("t.bil", std::vector<std::uint8_t>(static_cast<std::size_t>(bits) / 2));
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS " + std::to_string(bits) + "\nPIXELTYPE " + type +
+                                 "\nNODATA " + no_data + "\n");
+        const auto terrain = demo::read_terrain(folder / "t.bil");
+        CHECK(std::isnan(height(terrain, 0, 0)) == (no_data == "0"));
+        for (const std::string& sentence : terrain.assumed) {
+            if (contains(sentence, "no data")) return sentence;
+        }
+        return std::string{};
+    };
+    CHECK(said(8, "UNSIGNEDINT", "-1") ==
+          "no sample is \"no data\", for t.hdr says that it is -1, which no sample of type uint8 can be");
+    CHECK(contains(said(8, "UNSIGNEDINT", "256"), "uint8"));
+    CHECK(contains(said(8, "SIGNEDINT", "-9999"), "-9999, which no sample of type int8"));
+    CHECK(contains(said(16, "UNSIGNEDINT", "-9999"), "uint16"));
+    CHECK(contains(said(16, "SIGNEDINT", "65535"), "int16"));
+    CHECK(contains(said(16, "SIGNEDINT", "2.5"), "int16"));
+    CHECK(contains(said(32, "UNSIGNEDINT", "4294967296"), "uint32"));
+    CHECK(contains(said(32, "SIGNEDINT", "-3.4e38"), "-3.4e38, which no sample of type int32"));
+    CHECK(contains(said(32, "FLOAT", "-1e300"), "float32"));
+    for (const std::string value : {"0", "200", "nan"}) {
+        CHECK(said(32, "FLOAT", value).empty());
+        CHECK(said(64, "FLOAT", value).empty());
+        CHECK(said(8, "UNSIGNEDINT", value).empty() == (value != "nan"));
+    }
+    CHECK(said(64, "FLOAT", "-1e300").empty());
+    CHECK(said(32, "FLOAT", "-3.402824e+38").empty()); // the lowest float in too few digits
+    folder.samples<std::int8_t>("t.bil", {-1, 2, -3, 4});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA -9999\n"); // two sentences
+    check_heights(demo::read_terrain(folder / "t.bil"), {-1, 2, -3, 4});
+    CHECK(says(demo::read_terrain(folder / "t.bil"), "integers with a sign"));
+    CHECK(says(demo::read_terrain(folder / "t.bil"), "which no sample of type int8 can be"));
 }
 
 TEST_CASE("touch_terrain bil: lines that begin with no known key are comments", "[touch_terrain]") {
