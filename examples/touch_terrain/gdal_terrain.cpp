@@ -413,6 +413,16 @@ std::optional<MapUnits> units_of(OGRSpatialReferenceH map) {
     units.arbitrary = OSRIsLocal(map) != 0;
     units.size = units.angular ? OSRGetAngularUnits(map, nullptr) : OSRGetLinearUnits(map, nullptr);
     if (OSRIsVertical(map) != 0) units.height = OSRGetTargetLinearUnits(map, "VERT_CS", nullptr);
+
+    char* text = nullptr;
+    const std::array<const char*, 2> form{"FORMAT=WKT2_2019", nullptr};
+    if (OSRExportToWktEx(map, &text, form.data()) == OGRERR_NONE) {
+        if (const auto read = read_map_units(text)) {
+            units.cylindrical = read->cylindrical;
+            units.depths = read->depths;
+        }
+    }
+    CPLFree(text);
     return units;
 }
 
@@ -447,6 +457,7 @@ void set_heights(Terrain& terrain, const std::string& name, GDALRasterBandH band
                                   ", which is no known length");
     if (!unit && named.empty() && units) unit = units->height;
     set_height_unit(terrain, name, options, unit, has_scale != 0 ? scale : 1, has_offset != 0 ? offset : 0);
+    if (units && units->depths) turn_depths(terrain);
 }
 
 } // namespace

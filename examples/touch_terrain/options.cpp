@@ -116,8 +116,9 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
 #endif
         ". Default: the Spanish Peaks");
     app.add_option("--spacing", spacing,
-                   "Metres from sample to sample, east and north. Default: what the file says (degrees in "
-                   "metres at the middle latitude), else 1")
+                   "Metres from sample to sample, east and north. Default: what the file says (degrees and "
+                   "Mercator in "
+                   "metres on the ground at the middle latitude), else 1")
         ->type_name("DX[,DY]");
     app.add_option("--unit", unit,
                    "Of the samples, and of the spacing in a file that names no map: m, km, dm, cm, mm, um, "

@@ -116,11 +116,14 @@ void place(Terrain& terrain, const std::filesystem::path& file, const RasterHead
         if (!text) place_with_gdal(terrain, file, options);
     }
 #endif
-    if (!heights_known) set_height_unit(terrain, file, options, units ? units->height : std::nullopt);
+    if (!heights_known) {
+        set_height_unit(terrain, file, options, units ? units->height : std::nullopt);
+        if (units && units->depths) turn_depths(terrain);
+    }
     if (options.spacing || terrain.spacing || !header.cell) return;
     if (text && !units) {
-        throw BadInput{file.string() + " has a .prj that names no unit, " + shown(*text) +
-                       "; --spacing gives the metres from sample to sample."};
+        throw BadInput{file.string() + " has a .prj that does not tell metres on the ground, " +
+                       shown(*text) + "; --spacing gives the metres from sample to sample."};
     }
     if (!units) {
         if (!options.unit)
@@ -129,8 +132,9 @@ void place(Terrain& terrain, const std::filesystem::path& file, const RasterHead
         terrain.spacing = checked_spacing(options.unit.value_or(1.0) * *header.cell, file.string());
         return;
     }
-    if (units->angular && !header.north) {
-        throw BadInput{file.string() + " is in degrees, but " + header.file.filename().string() +
+    if (units->needs_latitude() && !header.north) {
+        throw BadInput{file.string() + (units->angular ? " is in degrees" : " is on a cylindrical map") +
+                       ", but " + header.file.filename().string() +
                        " has no ULYMAP or YLLCORNER to say at which latitude; --spacing gives the metres."};
     }
     const double north = header.north.value_or(0.0);
