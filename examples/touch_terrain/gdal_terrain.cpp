@@ -1,4 +1,5 @@
 #include "bad_input.hpp"
+#include "gdal_dataset.hpp"
 #include "map_units.hpp"
 #include "no_data.hpp"
 #include "numbers.hpp"
@@ -9,7 +10,6 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
-#include <gdal.h>
 #include <ogr_srs_api.h>
 
 #include <algorithm>
@@ -23,18 +23,6 @@
 
 namespace demo {
 namespace {
-
-struct Closer {
-    void operator()(GDALDatasetH dataset) const noexcept { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, Closer>;
-
-Dataset open(const std::string& name) {
-    GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-    return Dataset{GDALOpenEx(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr)};
-}
 
 /// GDAL's last complaint, for the end of a sentence.
 std::string complaint() {
@@ -66,7 +54,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 /// The raster that `name` means. A file of one raster under a longer name is that raster; one of several is refused.
 Dataset open_one(const std::string& name, std::vector<std::string>& assumed) {
-    Dataset dataset = open(name);
+    Dataset dataset = open_with_gdal(name);
     if (!dataset) throw BadInput{name + " is not a terrain file that can be read" + complaint()};
     const std::vector<std::string> inside = subdatasets_of(dataset.get());
     if (GDALGetRasterCount(dataset.get()) > 0) {
@@ -81,7 +69,7 @@ Dataset open_one(const std::string& name, std::vector<std::string>& assumed) {
             name + " holds " + std::to_string(inside.size()) +
             " rasters, of which a terrain is one; take one of these names for it: " + listed(inside) + "."};
     }
-    Dataset only = open(inside.front());
+    Dataset only = open_with_gdal(inside.front());
     if (!only || GDALGetRasterCount(only.get()) == 0)
         throw BadInput{inside.front() + " is not a terrain that can be read" + complaint()};
     return only;
@@ -163,15 +151,6 @@ std::shared_ptr<std::vector<S>> room_for(const std::string& name, int columns, i
     }
     return std::make_shared<std::vector<S>>(static_cast<std::size_t>(columns) *
                                             static_cast<std::size_t>(rows));
-}
-
-/// All files that GDAL reads for `dataset`, as it names them.
-std::vector<std::string> files_of(GDALDatasetH dataset) {
-    std::vector<std::string> files;
-    char** const list = GDALGetFileList(dataset);
-    for (int k = 0; k < CSLCount(list); ++k) files.emplace_back(list[k]);
-    CSLDestroy(list);
-    return files;
 }
 
 /// True if a line of the text file `name` begins with `key`, in small letters.
@@ -491,11 +470,11 @@ Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& opt
     return terrain;
 }
 
-bool opens_with_gdal(const std::filesystem::path& file) { return open(file.string()) != nullptr; }
+bool opens_with_gdal(const std::filesystem::path& file) { return open_with_gdal(file.string()) != nullptr; }
 
 bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options,
                            int band) {
-    const Dataset dataset = open(file.string());
+    const Dataset dataset = open_with_gdal(file.string());
     if (!dataset || GDALGetRasterCount(dataset.get()) < band) return false;
     set_heights(terrain, file.string(), GDALGetRasterBand(dataset.get(), band),
                 units_of(GDALGetSpatialRef(dataset.get())), options);
@@ -504,7 +483,7 @@ bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, 
 
 void place_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options) {
     if (options.spacing) return;
-    const Dataset dataset = open(file.string());
+    const Dataset dataset = open_with_gdal(file.string());
     if (!dataset) return;
     const Placement placement = placement_of(file.string(), dataset.get());
     if (!placement.north_first) {
