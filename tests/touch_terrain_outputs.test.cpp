@@ -232,7 +232,9 @@ TEST_CASE("touch_terrain: an output is refused in the place of the bundled terra
     fs::create_symlink(bundled, folder / "out.csv");
     const Run run = folder.run("--path p.csv --record out.csv");
     CHECK(run.code == 2);
-    CHECK(contents(bundled) == before);
+    const bool kept = contents(bundled) == before;
+    CHECK(kept);
+    if (!kept) std::ofstream{bundled, std::ios::binary} << before;
 }
 
 #ifdef TOUCH_TERRAIN_HAS_GDAL
