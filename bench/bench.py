@@ -294,8 +294,9 @@ def detail_table(goals, measured):
     rows = []
     for goal in goals:
         for n in numbers_of(goal, measured):
-            times = [text(t) for t in n.get("times_ns", [])]
-            notes = [part for part in (f"{times[0]} against {times[1]} ns" if times else "", n["note"],
+            reference, ours = n.get("times_ns", (0, 0))
+            unit, size = ("ms", 1e6) if reference >= 1e6 else ("ns", 1)
+            notes = [part for part in (f"{text(reference / size)} against {text(ours / size)} {unit}" if ours else "", n["note"],
                                        of(n) if of(n) != of(latest(measured)) else "") if part]
             spread = f"{text(min(n['runs']))} to {text(max(n['runs']))}" if len(set(n["runs"])) > 1 else ""
             if len(n["runs"]) < most_runs(measured):
