@@ -1,6 +1,7 @@
 #ifndef HFH_TESTS_SUPPORT_REAL_TERRAINS_HPP
 #define HFH_TESTS_SUPPORT_REAL_TERRAINS_HPP
 
+#include "skip.hpp"
 #include "terrains.hpp"
 
 #include <cstdint>
@@ -59,6 +60,18 @@ inline const std::vector<std::string> real_terrains_without_holes{
     "spanish_peaks", "sugarhouse_standin", "moab_standin", "devilshole_standin", "enoriver"};
 inline const std::vector<std::string> real_terrains_with_holes{"swissalps_voids", "mshelens_crater",
                                                                "bullet_scan", "kinect_boxes"};
+
+/// Calls each(name, terrain) for those of `names` that are there, and says that the test is skipped if none is.
+template <Real T, class Each>
+void on_real_terrains_or_skip(const std::vector<std::string>& names, Each each) {
+    bool any = false;
+    for (const auto& name : names) {
+        const auto ground = real_terrain<T>(name);
+        if (ground) each(name, *ground);
+        any = any || ground;
+    }
+    if (!any) skip(std::string{"no terrain of " HFH_SHARED_DATA_DIR " is there"});
+}
 
 } // namespace hfh::test
 
