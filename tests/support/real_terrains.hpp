@@ -20,7 +20,7 @@ namespace hfh::test {
 /// Samples as T (int16 and float32 are exact in float), south row first, holes as NaN. Empty if the file is absent.
 template <Real T>
 [[nodiscard]] std::optional<Terrain<T>> real_terrain(const std::string& name) {
-    const std::string path = std::string{HFH_SHARED_DATA_DIR} + "/" + name;
+    const std::string path = HFH_SHARED_DATA_DIR "/" + name;
     std::ifstream header{path + ".hdr"};
     std::ifstream file{path + ".bil", std::ios::binary};
     if (!header || !file) return {};
@@ -70,7 +70,7 @@ void on_real_terrains_or_skip(const std::vector<std::string>& names, Each each) 
         if (ground) each(name, *ground);
         any = any || ground;
     }
-    if (!any) skip(std::string{"no terrain of " HFH_SHARED_DATA_DIR " is there"});
+    if (!any) skip("no terrain of " HFH_SHARED_DATA_DIR " is there");
 }
 
 } // namespace hfh::test

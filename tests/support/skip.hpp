@@ -18,7 +18,7 @@ inline void skip(const std::string& why) {
 
 /// The path of a file of HFH_SHARED_DATA_DIR; none, and says that the test is skipped, if it is not there.
 [[nodiscard]] inline std::optional<std::string> shared_file_or_skip(const std::string& name) {
-    const std::string path = std::string{HFH_SHARED_DATA_DIR} + "/" + name;
+    const std::string path = HFH_SHARED_DATA_DIR "/" + name;
     if (std::filesystem::exists(path)) return path;
     skip(path + " is not there");
     return {};
