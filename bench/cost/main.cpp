@@ -1,4 +1,4 @@
-#include "traces.hpp"
+#include "replays.hpp"
 
 #include <cstdio>
 #include <cstring>
@@ -15,24 +15,22 @@ constexpr const char* compiler = "GCC " __VERSION__;
 constexpr const char* compiler = "unknown";
 #endif
 
+using hfh::cost::Grid;
 using hfh::cost::Ground;
 using hfh::cost::Trace;
 using hfh::cost::TraceKind;
 
 } // namespace
 
-// Counting is switched on where these begin and off where they end, by the pattern hfh_cost_replay_*: set-up is out of it.
-extern "C" {
-[[gnu::noinline]] void
-hfh_cost_replay_double(const hfh::BilinearGrid<double, hfh::HeightView<std::int16_t>>& grid,
-                       const Trace<double>& trace, hfh::cost::Felt& felt) noexcept {
-    felt = hfh::cost::replay(grid, trace);
+[[gnu::noinline]] void hfh_cost_replay_double(const Grid<double>& grid, const Trace<double>& trace,
+                                              hfh::cost::Felt& felt) noexcept {
+    felt = hfh::cost::replay(grid, trace,
+                             [](auto& tracker, const auto& stylus) { return tracker.update(stylus); });
 }
-[[gnu::noinline]] void
-hfh_cost_replay_float(const hfh::BilinearGrid<float, hfh::HeightView<std::int16_t>>& grid,
-                      const Trace<float>& trace, hfh::cost::Felt& felt) noexcept {
-    felt = hfh::cost::replay(grid, trace);
-}
+[[gnu::noinline]] void hfh_cost_replay_float(const Grid<float>& grid, const Trace<float>& trace,
+                                             hfh::cost::Felt& felt) noexcept {
+    felt = hfh::cost::replay(grid, trace,
+                             [](auto& tracker, const auto& stylus) { return tracker.update(stylus); });
 }
 
 namespace {
@@ -42,11 +40,16 @@ bool run(const TraceKind& kind) {
     const Ground ground{kind.relief};
     hfh::cost::Felt felt;
     if (kind.in_float) {
-        const auto trace = hfh::cost::make_trace<float>(ground, kind);
-        hfh_cost_replay_float(ground.grid<float>(), trace, felt);
+        hfh_cost_replay_float(ground.grid<float>(), hfh::cost::make_trace<float>(ground, kind), felt);
     } else {
         const auto trace = hfh::cost::make_trace<double>(ground, kind);
-        hfh_cost_replay_double(ground.grid<double>(), trace, felt);
+        const auto grid = ground.grid<double>();
+        if (kind.doing == hfh::cost::Doing::casting)
+            hfh_cost_replay_casts(grid, trace, felt);
+        else if (kind.friction)
+            hfh_cost_replay_friction(grid, trace, felt);
+        else
+            hfh_cost_replay_double(grid, trace, felt);
     }
     const std::size_t wanted = kind.doing == hfh::cost::Doing::flying ? 0 : hfh::cost::updates_a_trace;
     if (felt.contacts != wanted || (felt.work > 0) != (wanted > 0)) {

@@ -4,6 +4,7 @@
 
 #include <output_file.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <set>
 
@@ -172,6 +173,155 @@ TEST_CASE("touch_terrain: a record does not take the place of what the program p
 TEST_CASE("touch_terrain: a picture does not take the place of what the program prints", "[touch_terrain]") {
     if (hfh::test::has_gnuplot_or_skip()) check_that_streams_are_refused("--picture");
 }
+
+namespace {
+
+/// `outputs` are refused for `terrain` in a sentence, and nothing changes; `free` is written.
+void check_refused(const Folder& folder, const std::string& terrain, const std::vector<std::string>& outputs,
+                   const std::string& free) {
+    const auto before = folder.listing();
+    for (const std::string& output : outputs) {
+        for (const std::string option : {"--record", "--picture"}) {
+            if (option == "--picture" && !has_gnuplot()) continue;
+            const Run run = folder.run(terrain + " --device none " + option + " " + output);
+            CAPTURE(terrain, option, output, run.err);
+            CHECK(run.code == 2);
+            CHECK(run.out.empty());
+            CHECK(contains(run.err, option));
+            CHECK(contains(run.err, output));
+            CHECK(std::ranges::count(run.err, '\n') == 1);
+            CHECK(folder.listing() == before);
+        }
+    }
+    const Run run = folder.run(terrain + " --device none --record " + free);
+    CAPTURE(terrain, free, run.err);
+    CHECK(run.code == 0);
+    CHECK(contents(folder / free).starts_with("t,x,y,z"));
+}
+
+} // namespace
+
+TEST_CASE("touch_terrain: an output is refused in the place of a terrain's files, whatever their names",
+          "[touch_terrain]") {
+    const FlatFolder folder;
+    folder.text("free.csv", "what was there before");
+    fs::create_directory(folder / "other");
+    fs::copy(folder / "t.bil", folder / "other/h.txt");
+    fs::rename(folder / "t.hdr", folder / "other/h.hdr");
+    fs::create_symlink("other/h.hdr", folder / "t.hdr");
+    fs::create_symlink("t.bil", folder / "link.csv");
+    fs::create_hard_link(folder / "t.bil", folder / "hard.csv");
+    fs::create_symlink("t.hdr", folder / "header.csv");
+    folder.text("t.prj", " ");
+    folder.text("t.bil.HDR", "another");
+    check_refused(folder, "t.bil",
+                  {"t.bil", "./t.bil", "other/../t.bil", "link.csv", "hard.csv", "t.hdr", "header.csv",
+                   "other/h.hdr", "t.prj", "t.bil.HDR"},
+                  "free.csv");
+    // Through a link to the terrain: what lies beside either.
+    fs::create_symlink("../t.bil", folder / "other/u.bil");
+    fs::create_symlink("h.hdr", folder / "other/u.hdr");
+    check_refused(folder, "other/u.bil", {"t.bil", "other/u.bil", "other/h.hdr", "other/u.hdr", "t.prj"},
+                  "free.csv");
+    // A name that only begins in the same way is another's.
+    folder.text("t2.hdr", "not of t.bil");
+    check_refused(folder, "t.bil", {}, "t2.hdr");
+    // Path and outputs too.
+    fs::create_hard_link(folder / "p.csv", folder / "q.csv");
+    CHECK(folder.run("t.bil --path p.csv --record q.csv").code == 2);
+    CHECK(contents(folder / "p.csv").starts_with("t,x,y,z\n0,1,1,1"));
+}
+
+TEST_CASE("touch_terrain: an output is refused in the place of the bundled terrain", "[touch_terrain]") {
+    const FlatFolder folder;
+    const std::string bundled = HFH_SOURCE_DIR "/examples/data/spanish_peaks.png";
+    const std::string before = contents(bundled);
+    fs::create_symlink(bundled, folder / "out.csv");
+    const Run run = folder.run("--path p.csv --record out.csv");
+    CHECK(run.code == 2);
+    const bool kept = contents(bundled) == before;
+    CHECK(kept);
+    if (!kept) std::ofstream{bundled, std::ios::binary} << before;
+}
+
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+
+TEST_CASE("touch_terrain gdal: an output is refused in the place of a virtual raster's sources",
+          "[touch_terrain][gdal]") {
+    const FlatFolder folder;
+    const std::string grid = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n";
+    fs::create_directory(folder / "deep");
+    folder.text("deep/a.asc", grid);
+    folder.text("deep/mask.asc", grid);
+    folder.text("free.csv", "what was there before");
+    const auto raster = [](const std::string& source, const std::string& mask = "") {
+        const auto band = [](const std::string& file, const std::string& attributes,
+                             const std::string& type) {
+            return "<VRTRasterBand dataType=\"" + type + "\"" + attributes +
+                   "><SimpleSource><SourceFilename relativeToVRT=\"1\">" + file +
+                   "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>";
+        };
+        return "<VRTDataset rasterXSize=\"2\" rasterYSize=\"2\">" + band(source, " band=\"1\"", "Int32") +
+               (mask.empty() ? "" : "<MaskBand>" + band(mask, "", "Byte") + "</MaskBand>") + "</VRTDataset>";
+    };
+    folder.text("deep/inner.xml", raster("a.asc", "mask.asc"));
+    folder.text("t.vrt", raster("deep/inner.xml"));
+    folder.text("t.vrt.aux.xml", "<PAMDataset/>");
+    fs::create_symlink("deep/a.asc", folder / "a.csv");
+    check_refused(folder, "t.vrt",
+                  {"t.vrt", "deep/inner.xml", "deep/a.asc", "deep/mask.asc", "a.csv", "t.vrt.aux.xml"},
+                  "free.csv");
+    // A source by a name that is more than that of a file.
+    folder.text("u.vrt", raster("/vsisubfile/0," + (folder / "deep/a.asc").string()));
+    check_refused(folder, "u.vrt", {"u.vrt", "deep/a.asc"}, "free.csv");
+}
+
+TEST_CASE("touch_terrain gdal: an output is refused in the place of the file that holds the terrain",
+          "[touch_terrain][gdal]") {
+    const FlatFolder folder;
+    folder.text("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+    folder.text("free.csv", "what was there before");
+    fs::create_symlink("a.asc", folder / "link.csv");
+    const std::string here = (folder / "a.asc").string();
+    check_refused(folder, "/vsisubfile/0,a.asc", {"a.asc", here, "link.csv"}, "free.csv");
+    check_refused(folder, "/vsisubfile/0," + here, {"a.asc", "link.csv"}, "free.csv");
+
+    // An archive: one stored file and the list of it.
+    const std::string data = contents(folder / "a.asc");
+    const std::string zip = zip_of("b.asc", data);
+    folder.text("z.zip", zip);
+    fs::create_directory(folder / "dir");
+    folder.text("dir/z.zip", zip);
+    folder.text("b.asc", "what was there before");
+    for (const std::string name : {"/vsizip/z.zip/b.asc", "/vsizip/z.zip", "/vsizip/{z.zip}/b.asc",
+                                   "/vsizip/./z.zip/b.asc", "/vsisubfile/0,/vsizip/z.zip/b.asc"})
+        check_refused(folder, "'" + name + "'", {"z.zip", "dir/../z.zip"}, "free.csv");
+    check_refused(folder, "/vsizip/dir/z.zip/b.asc", {"dir/z.zip"},
+                  "b.asc"); // another b.asc than that inside
+}
+
+TEST_CASE("touch_terrain gdal: an output is refused in the place of a database of rasters",
+          "[touch_terrain][gdal]") {
+    if (std::system("command -v gdal_translate >/dev/null 2>&1") != 0) {
+        WARN("gdal_translate is not installed");
+        return;
+    }
+    const FlatFolder folder;
+    folder.text("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+    folder.text("free.csv", "what was there before");
+    if (folder
+            .run_program("/bin/sh",
+                         "-c 'gdal_translate -q -ot Float32 -a_srs EPSG:3857 -of GPKG a.asc g.gpkg'")
+            .code != 0) {
+        WARN("this GDAL writes no GeoPackage");
+        return;
+    }
+    check_refused(folder, "g.gpkg", {"g.gpkg"}, "free.csv");
+    check_refused(folder, "GPKG:g.gpkg:g", {"g.gpkg", "./g.gpkg"}, "free.csv");
+    check_refused(folder, "'GPKG:" + (folder / "g.gpkg").string() + ":g'", {"g.gpkg"}, "free.csv");
+}
+
+#endif // TOUCH_TERRAIN_HAS_GDAL
 
 TEST_CASE("touch_terrain: a pipe or a device is no terrain, and nobody waits for it", "[touch_terrain]") {
     const FlatFolder folder;
