@@ -69,7 +69,7 @@ TEST_CASE("touch_terrain: a record that does not fit is an error, and no file", 
 }
 
 TEST_CASE("touch_terrain: a picture that does not fit is an error, and no file", "[touch_terrain]") {
-    if (!hfh::test::has_gnuplot_or_skip()) return;
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
     const FlatFolder folder;
     const auto before = folder.listing();
     const Run picture = folder.run("t.bil --picture out.png", small_files_only);
@@ -171,7 +171,7 @@ TEST_CASE("touch_terrain: a record does not take the place of what the program p
 }
 
 TEST_CASE("touch_terrain: a picture does not take the place of what the program prints", "[touch_terrain]") {
-    if (hfh::test::has_gnuplot_or_skip()) check_that_streams_are_refused("--picture");
+    if (hfh::test::has_program_or_skip("gnuplot")) check_that_streams_are_refused("--picture");
 }
 
 namespace {
@@ -302,20 +302,15 @@ TEST_CASE("touch_terrain gdal: an output is refused in the place of the file tha
 
 TEST_CASE("touch_terrain gdal: an output is refused in the place of a database of rasters",
           "[touch_terrain][gdal]") {
-    if (std::system("command -v gdal_translate >/dev/null 2>&1") != 0) {
-        WARN("gdal_translate is not installed");
-        return;
-    }
+    if (!hfh::test::has_program_or_skip("gdal_translate")) return;
     const FlatFolder folder;
     folder.text("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
     folder.text("free.csv", "what was there before");
     if (folder
             .run_program("/bin/sh",
                          "-c 'gdal_translate -q -ot Float32 -a_srs EPSG:3857 -of GPKG a.asc g.gpkg'")
-            .code != 0) {
-        WARN("this GDAL writes no GeoPackage");
-        return;
-    }
+            .code != 0)
+        return hfh::test::skip("this GDAL writes no GeoPackage");
     check_refused(folder, "g.gpkg", {"g.gpkg"}, "free.csv");
     check_refused(folder, "GPKG:g.gpkg:g", {"g.gpkg", "./g.gpkg"}, "free.csv");
     check_refused(folder, "'GPKG:" + (folder / "g.gpkg").string() + ":g'", {"g.gpkg"}, "free.csv");

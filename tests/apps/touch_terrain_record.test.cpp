@@ -457,7 +457,7 @@ TEST_CASE("touch_terrain: prints its summary and keeps nothing beside the height
 }
 
 TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terrain]") {
-    if (!hfh::test::has_gnuplot_or_skip()) return;
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
     const Folder folder;
     const Run run = folder.run("--picture \"it's a picture.png\"");
     CAPTURE(run.err);
@@ -472,7 +472,7 @@ TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terra
 }
 
 TEST_CASE("touch_terrain: draws a picture of every odd path and terrain", "[touch_terrain]") {
-    if (!hfh::test::has_gnuplot_or_skip()) return;
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
     const Folder folder;
     folder.samples<float>("t.bil", {0, 0, 0, 0});
     folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nPIXELTYPE FLOAT\nNODATA 7\n");

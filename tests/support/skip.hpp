@@ -24,10 +24,10 @@ inline void skip(const std::string& why) {
     return {};
 }
 
-/// Whether gnuplot can be called; if not, says that the test is skipped.
-[[nodiscard]] inline bool has_gnuplot_or_skip() {
-    const bool found = std::system("command -v gnuplot >/dev/null 2>&1") == 0;
-    if (!found) skip("gnuplot is not installed");
+/// Whether a program can be called; if not, says that the test is skipped.
+[[nodiscard]] inline bool has_program_or_skip(const std::string& name) {
+    const bool found = std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
+    if (!found) skip(name + " is not installed");
     return found;
 }
 
