@@ -24,9 +24,13 @@ inline void skip(const std::string& why) {
     return {};
 }
 
+[[nodiscard]] inline bool has_program(const std::string& name) {
+    return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
+}
+
 /// Whether a program can be called; if not, says that the test is skipped.
 [[nodiscard]] inline bool has_program_or_skip(const std::string& name) {
-    const bool found = std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
+    const bool found = has_program(name);
     if (!found) skip(name + " is not installed");
     return found;
 }
