@@ -1,4 +1,5 @@
 #include "catch.hpp"
+#include "support/skip.hpp"
 #include "touch_terrain_files.hpp"
 
 #include <output_file.hpp>
@@ -35,26 +36,43 @@ public:
     }
 };
 
-bool has_gnuplot() {
-    if (std::system("command -v gnuplot >/dev/null 2>&1") == 0) return true;
-    WARN("gnuplot is not installed");
-    return false;
+// No file may be larger than 4 KiB (in blocks of 512 or 1024 bytes); the default of the signal would end the program.
+const std::string small_files_only = "ulimit -f 4;";
+
+/// An output that would go where the program prints is refused, into a file and into a pipe.
+void check_that_streams_are_refused(const std::string& output) {
+    const FlatFolder folder;
+    for (const std::string target : {"/dev/stdout", "/dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
+        CAPTURE(target, output);
+        const std::string arguments = "t.bil --path p.csv " + output + " " + target;
+        const Run to_file = folder.run(arguments);
+        CHECK(to_file.code == 2);
+        CHECK(to_file.out.empty());
+        CHECK(contains(to_file.err, target + " cannot be written: "));
+        const Run to_pipe =
+            folder.run_program("/bin/bash", std::string{"-c \"set -o pipefail; '"} + HFH_TOUCH_TERRAIN +
+                                                "' " + arguments + " 2>&1 | cat\"");
+        CHECK(to_pipe.code == 2);
+        CHECK(contains(to_pipe.out, target + " cannot be written: "));
+    }
 }
 
 } // namespace
 
-TEST_CASE("touch_terrain: a picture or record that does not fit is an error, and no file",
-          "[touch_terrain]") {
+TEST_CASE("touch_terrain: a record that does not fit is an error, and no file", "[touch_terrain]") {
     const FlatFolder folder;
     const auto before = folder.listing();
-    // No file may be larger than 4 KiB (in blocks of 512 or 1024 bytes); the default of the signal would end the program.
-    const std::string limit = "ulimit -f 4;";
-    const Run record = folder.run("t.bil --record out.csv", limit);
+    const Run record = folder.run("t.bil --record out.csv", small_files_only);
     CHECK(record.code == 2);
     CHECK(contains(record.err, "out.csv cannot be written: File too large.\n"));
     CHECK(folder.listing() == before);
-    if (!has_gnuplot()) return;
-    const Run picture = folder.run("t.bil --picture out.png", limit);
+}
+
+TEST_CASE("touch_terrain: a picture that does not fit is an error, and no file", "[touch_terrain]") {
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
+    const FlatFolder folder;
+    const auto before = folder.listing();
+    const Run picture = folder.run("t.bil --picture out.png", small_files_only);
     CHECK(picture.code == 2);
     CHECK(contains(picture.err, "out.png cannot be written: File too large.\n"));
     CHECK(folder.listing() == before);
@@ -149,22 +167,11 @@ TEST_CASE("touch_terrain: standard output that is closed, full or read by nobody
 }
 
 TEST_CASE("touch_terrain: a record does not take the place of what the program prints", "[touch_terrain]") {
-    const FlatFolder folder;
-    for (const std::string target : {"/dev/stdout", "/dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
-        for (const std::string arguments : {"--record ", "--picture "}) {
-            if (arguments == "--picture " && !has_gnuplot()) continue;
-            CAPTURE(target, arguments);
-            const Run to_file = folder.run("t.bil --path p.csv " + arguments + target);
-            CHECK(to_file.code == 2);
-            CHECK(to_file.out.empty());
-            CHECK(contains(to_file.err, target + " cannot be written: "));
-            const Run to_pipe = folder.run_program(
-                "/bin/bash", std::string{"-c \"set -o pipefail; '"} + HFH_TOUCH_TERRAIN +
-                                 "' t.bil --path p.csv " + arguments + target + " 2>&1 | cat\"");
-            CHECK(to_pipe.code == 2);
-            CHECK(contains(to_pipe.out, target + " cannot be written: "));
-        }
-    }
+    check_that_streams_are_refused("--record");
+}
+
+TEST_CASE("touch_terrain: a picture does not take the place of what the program prints", "[touch_terrain]") {
+    if (hfh::test::has_program_or_skip("gnuplot")) check_that_streams_are_refused("--picture");
 }
 
 namespace {
@@ -175,7 +182,8 @@ void check_refused(const Folder& folder, const std::string& terrain, const std::
     const auto before = folder.listing();
     for (const std::string& output : outputs) {
         for (const std::string option : {"--record", "--picture"}) {
-            if (option == "--picture" && !has_gnuplot()) continue;
+            if (option == "--picture" && !hfh::test::has_program("gnuplot"))
+                continue; // records are refused all the same
             const Run run = folder.run(terrain + " --device none " + option + " " + output);
             CAPTURE(terrain, option, output, run.err);
             CHECK(run.code == 2);
@@ -295,20 +303,15 @@ TEST_CASE("touch_terrain gdal: an output is refused in the place of the file tha
 
 TEST_CASE("touch_terrain gdal: an output is refused in the place of a database of rasters",
           "[touch_terrain][gdal]") {
-    if (std::system("command -v gdal_translate >/dev/null 2>&1") != 0) {
-        WARN("gdal_translate is not installed");
-        return;
-    }
+    if (!hfh::test::has_program_or_skip("gdal_translate")) return;
     const FlatFolder folder;
     folder.text("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
     folder.text("free.csv", "what was there before");
     if (folder
             .run_program("/bin/sh",
                          "-c 'gdal_translate -q -ot Float32 -a_srs EPSG:3857 -of GPKG a.asc g.gpkg'")
-            .code != 0) {
-        WARN("this GDAL writes no GeoPackage");
-        return;
-    }
+            .code != 0)
+        return hfh::test::skip("this GDAL writes no GeoPackage");
     check_refused(folder, "g.gpkg", {"g.gpkg"}, "free.csv");
     check_refused(folder, "GPKG:g.gpkg:g", {"g.gpkg", "./g.gpkg"}, "free.csv");
     check_refused(folder, "'GPKG:" + (folder / "g.gpkg").string() + ":g'", {"g.gpkg"}, "free.csv");
@@ -372,9 +375,13 @@ TEST_CASE("touch_terrain: the built-in stroke gets over walls without pressing a
         const double contact = std::stod(run.out.substr(run.out.find("in contact") + 16));
         CHECK(contact > 60);
     }
-    const std::string scan = HFH_SHARED_DATA_DIR "/kinect_boxes.bil";
-    if (!fs::exists(scan)) return;
-    const Run run = folder.run("'" + scan + "' --unit mm");
+}
+
+TEST_CASE("touch_terrain: the built-in stroke gets over the walls of a depth camera's scan",
+          "[touch_terrain][real]") {
+    const auto scan = hfh::test::shared_file_or_skip("kinect_boxes.bil");
+    if (!scan) return;
+    const Run run = Folder{}.run("'" + *scan + "' --unit mm");
     CHECK(contains(run.out, "every 0.0019 x 0.0019 m"));
     CHECK(contains(run.out, "\nguard           clamped 0 updates"));
 }
