@@ -1,7 +1,7 @@
 #ifndef PHANTOM_RECONNECT_HPP
 #define PHANTOM_RECONNECT_HPP
 
-#include <hfh/device.hpp>
+#include <hfh/device/device.hpp>
 
 namespace phantom {
 
