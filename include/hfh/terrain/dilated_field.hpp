@@ -77,9 +77,10 @@ public:
             cell.x * static_cast<Scalar>(i - home.i * subdivisions_) / static_cast<Scalar>(subdivisions_),
             cell.y * static_cast<Scalar>(j - home.j * subdivisions_) / static_cast<Scalar>(subdivisions_)};
         // Cells that end or begin at the very end of the ball's reach are touched as well.
-        const Cell low{-cells_in((radius_ - centre.x) / cell.x) - 1,
-                       -cells_in((radius_ - centre.y) / cell.y) - 1};
-        const Cell high{cells_in((centre.x + radius_) / cell.x), cells_in((centre.y + radius_) / cell.y)};
+        const Cell begin{-cells_in((radius_ - centre.x) / cell.x) - 1,
+                         -cells_in((radius_ - centre.y) / cell.y) - 1};
+        const Cell end{cells_in((centre.x + radius_) / cell.x) + 1,
+                       cells_in((centre.y + radius_) / cell.y) + 1};
         std::optional<Scalar> top;
         const auto offer = [&](Index i_off, Index j_off) {
             const vec2<Scalar> corner{static_cast<Scalar>(i_off) * cell.x - centre.x,
@@ -94,8 +95,8 @@ public:
             if (is_finite(here) && (!top || here > *top)) top = here;
         };
         offer(0, 0); // first, so that patches that are lower everywhere are skipped
-        for (Index b = low.j; b <= high.j; ++b) {
-            for (Index a = low.i; a <= high.i; ++a) offer(a, b);
+        for (Index b = begin.j; b < end.j; ++b) {
+            for (Index a = begin.i; a < end.i; ++a) offer(a, b);
         }
         return top;
     }
