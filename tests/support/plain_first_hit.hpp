@@ -136,13 +136,13 @@ void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2
     detail::AxisWalk y{a.y, b.y, origin.y, spacing.y, per_metre.y};
 
     double t = 0, t_leave = 1;
-    if (range.empty() || !x.clip(range.first.i, range.last.i, t, t_leave) ||
-        !y.clip(range.first.j, range.last.j, t, t_leave) || t > t_leave) {
+    if (range.empty() || !x.clip(range.begin.i, range.end.i, t, t_leave) ||
+        !y.clip(range.begin.j, range.end.j, t, t_leave) || t > t_leave) {
         return;
     }
     if (t > 0) {
-        x.skip_to(t, range.first.i, range.last.i);
-        y.skip_to(t, range.first.j, range.last.j);
+        x.skip_to(t, range.begin.i, range.end.i);
+        y.skip_to(t, range.begin.j, range.end.j);
     }
 
     const auto visit_one = [&](const CellSpan& span) { return !range.contains(span.cell) || visit(span); };
@@ -187,8 +187,8 @@ void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2
         if (cross_x) x.cell += x.step, next_x = x.next();
         if (cross_y) y.cell += y.step, next_y = y.next();
         t = t_out;
-        const bool inside_x = (range.first.i <= x.cell && x.cell < range.last.i) || x.on_line;
-        const bool inside_y = (range.first.j <= y.cell && y.cell < range.last.j) || y.on_line;
+        const bool inside_x = (range.begin.i <= x.cell && x.cell < range.end.i) || x.on_line;
+        const bool inside_y = (range.begin.j <= y.cell && y.cell < range.end.j) || y.on_line;
         if (!inside_x || !inside_y) return;
     }
 }

@@ -60,8 +60,8 @@ public:
         if (inside.empty() || !spacing_in_range<Scalar>(lattice().spacing())) return {};
         const glm::dvec2 reach =
             widen(radius_) * finer_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
-        return {{stretched(inside.first.i, -reach.x), stretched(inside.first.j, -reach.y)},
-                {stretched(inside.last.i, reach.x), stretched(inside.last.j, reach.y)}};
+        return {{stretched(inside.begin.i, -reach.x), stretched(inside.begin.j, -reach.y)},
+                {stretched(inside.end.i, reach.x), stretched(inside.end.j, reach.y)}};
     }
     [[nodiscard]] std::optional<BilinearPatch<Scalar>> patch(Cell c) const noexcept {
         if (!cells().contains(c)) return std::nullopt;
@@ -158,7 +158,7 @@ private:
     }
     /// Fine line over coarse line i and `by` fine cells more, as far as cells can be numbered.
     [[nodiscard]] constexpr Index stretched(Index i, double by) const noexcept {
-        constexpr Index far = CellRange::endless().last.i;
+        constexpr Index far = CellRange::endless().end.i;
         const double line = static_cast<double>(i) * finer_ + by;
         return line < static_cast<double>(-far)  ? -far
                : line > static_cast<double>(far) ? far

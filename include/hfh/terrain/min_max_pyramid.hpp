@@ -228,17 +228,17 @@ public:
         if (heights.columns() != columns_ || heights.rows() != rows_) return PyramidStatus::other_size;
         // Sample i is a corner of the cells i − 1 and i.
         const CellRange cells{
-            {std::max<Index>(samples.first.i, 1) - 1, std::max<Index>(samples.first.j, 1) - 1},
-            {std::min(samples.last.i, columns_ - 1), std::min(samples.last.j, rows_ - 1)}};
+            {std::max<Index>(samples.begin.i, 1) - 1, std::max<Index>(samples.begin.j, 1) - 1},
+            {std::min(samples.end.i, columns_ - 1), std::min(samples.end.j, rows_ - 1)}};
         if (samples.empty() || cells.empty()) return status_;
-        CellRange touched{{cells.first.i >> block_bits, cells.first.j >> block_bits},
-                          {((cells.last.i - 1) >> block_bits) + 1, ((cells.last.j - 1) >> block_bits) + 1}};
+        CellRange touched{{cells.begin.i >> block_bits, cells.begin.j >> block_bits},
+                          {((cells.end.i - 1) >> block_bits) + 1, ((cells.end.j - 1) >> block_bits) + 1}};
         read_blocks(heights, touched);
         for (int level = 1; level < levels_; ++level) {
-            touched = {{touched.first.i / 4, touched.first.j / 4},
-                       {(touched.last.i + 3) / 4, (touched.last.j + 3) / 4}};
-            for (Index j = touched.first.j; j < touched.last.j; ++j) {
-                for (Index i = touched.first.i; i < touched.last.i; ++i) join_below(level, {i, j});
+            touched = {{touched.begin.i / 4, touched.begin.j / 4},
+                       {(touched.end.i + 3) / 4, (touched.end.j + 3) / 4}};
+            for (Index j = touched.begin.j; j < touched.end.j; ++j) {
+                for (Index i = touched.begin.i; i < touched.end.i; ++i) join_below(level, {i, j});
             }
         }
         return status_;
@@ -294,9 +294,9 @@ private:
     template <HeightSource Heights>
     constexpr void read_blocks(const Heights& heights, const CellRange& wanted) noexcept {
         constexpr Index most = detail::ColumnStrip<S>::most_blocks;
-        for (Index j = wanted.first.j; j < wanted.last.j; ++j) {
-            for (Index i = wanted.first.i; i < wanted.last.i; i += most) {
-                read_piece(heights, {i, j}, std::min(most, wanted.last.i - i));
+        for (Index j = wanted.begin.j; j < wanted.end.j; ++j) {
+            for (Index i = wanted.begin.i; i < wanted.end.i; i += most) {
+                read_piece(heights, {i, j}, std::min(most, wanted.end.i - i));
             }
         }
     }
@@ -363,7 +363,7 @@ public:
     using Bounds = MinMaxPyramid<typename Grid::SampleType>;
 
     constexpr BoundedGrid(const Grid& grid, typename Bounds::Range* storage, Index count) noexcept
-        : grid_{grid}, bounds_{storage, count, grid.cells().last.i + 1, grid.cells().last.j + 1} {}
+        : grid_{grid}, bounds_{storage, count, grid.cells().end.i + 1, grid.cells().end.j + 1} {}
 
     [[nodiscard]] constexpr PyramidStatus status() const noexcept { return bounds_.status(); }
     [[nodiscard]] constexpr const Grid& grid() const noexcept { return grid_; }

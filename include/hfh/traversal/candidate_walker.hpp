@@ -176,15 +176,15 @@ struct CellWalk {
     /// Goes to the first cell of the range. False if the segment never is there.
     [[nodiscard]] bool enter(const CellRange& range) noexcept {
         double t_enter = 0, t_leave = 1;
-        if (range.empty() || !x.clip(range.first.i, range.last.i, t_enter, t_leave) ||
-            !y.clip(range.first.j, range.last.j, t_enter, t_leave) || t_enter > t_leave) {
+        if (range.empty() || !x.clip(range.begin.i, range.end.i, t_enter, t_leave) ||
+            !y.clip(range.begin.j, range.end.j, t_enter, t_leave) || t_enter > t_leave) {
             return false;
         }
         x.cell = x.first;
         y.cell = y.first;
         if (t_enter > 0) {
-            x.skip_to(t_enter, range.first.i, range.last.i);
-            y.skip_to(t_enter, range.first.j, range.last.j);
+            x.skip_to(t_enter, range.begin.i, range.end.i);
+            y.skip_to(t_enter, range.begin.j, range.end.j);
         }
         enter_at(t_enter);
         return true;
@@ -192,8 +192,8 @@ struct CellWalk {
 
     /// Whether the next cell is in the range.
     [[nodiscard]] bool inside(const CellRange& range) const noexcept {
-        const bool in_x = (range.first.i <= x.cell) & (x.cell < range.last.i),
-                   in_y = (range.first.j <= y.cell) & (y.cell < range.last.j);
+        const bool in_x = (range.begin.i <= x.cell) & (x.cell < range.end.i),
+                   in_y = (range.begin.j <= y.cell) & (y.cell < range.end.j);
         return (in_x | x.on_line) & (in_y | y.on_line);
     }
 

@@ -128,7 +128,7 @@ struct AcrossCells {
 };
 template <bool along_x>
 [[nodiscard]] AcrossCells across_cells(const CellRange& cells) noexcept {
-    return along_x ? AcrossCells{cells.first.j, cells.last.j} : AcrossCells{cells.first.i, cells.last.i};
+    return along_x ? AcrossCells{cells.begin.j, cells.end.j} : AcrossCells{cells.begin.i, cells.end.i};
 }
 
 /// Whether all cells of a column that the segment may touch have patches, which lie below it. Column `along` is between

@@ -246,23 +246,22 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
     const Profile profile{along, across, judge.a.z, judge.b.z};
     // Along is i, across is j.
     const CellRange turned =
-        along_x ? range : CellRange{{range.first.j, range.first.i}, {range.last.j, range.last.i}};
+        along_x ? range : CellRange{{range.begin.j, range.begin.i}, {range.end.j, range.end.i}};
     const Index end = profile.column_of(along.last) + 1;
-    const Index stop = profile.column_of(glm::clamp(along.last, turned.first.i, turned.last.i - 1)) + 1;
+    const Index stop = profile.column_of(glm::clamp(along.last, turned.begin.i, turned.end.i - 1)) + 1;
     Stretches<along_x, Field> stretches{field, profile};
     const auto columns = [&](Index from, Index to) {
         const Index a = profile.cell_along(from), b = profile.cell_along(to - 1);
         const Index low = glm::min(a, b), past = glm::max(a, b) + 1;
-        return along_x ? CellRange{{low, range.first.j}, {past, range.last.j}}
-                       : CellRange{{range.first.i, low}, {range.last.i, past}};
+        return along_x ? CellRange{{low, range.begin.j}, {past, range.end.j}}
+                       : CellRange{{range.begin.i, low}, {range.end.i, past}};
     };
     // Behind a column that is not clear the next ones mostly are not: with 3 long casts take 1 to 3 % less than with 1.
     constexpr Index few = 3;
     for (Index block = few;; block *= 2) { // where nothing is clear for long, do not ask at every column
         const Index here = profile.column_of(along.cell);
         Index from = here;
-        if (profile.usable() && !judge.leaving && turned.first.i <= along.cell &&
-            along.cell < turned.last.i) {
+        if (profile.usable() && !judge.leaving && turned.begin.i <= along.cell && along.cell < turned.end.i) {
             const Stretch clear = stretches.next(
                 here, stop - here, judge.options.max_cells - judge.result.cells, judge.side_at(walk.t));
             judge.result.cells += clear.looked_at;
@@ -272,7 +271,7 @@ void judge_columns(const Field& field, const CellRange& range, CellWalk& walk, J
                 judge.pass(t, clear.side);
                 if (from == stop) return;
                 along.enter(profile.cell_along(from));
-                across.skip_to(t, turned.first.j, turned.last.j);
+                across.skip_to(t, turned.begin.j, turned.end.j);
                 walk.enter_at(t);
                 block = few;
             }
