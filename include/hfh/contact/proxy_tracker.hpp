@@ -157,9 +157,7 @@ private:
                                         int max_cells) const noexcept {
         options.surface = options_.surface;
         options.max_cells = max_cells;
-        FirstHit<Scalar> hit;
-        detail::cast(*field_, from, to, options, hit);
-        return hit;
+        return detail::cast(*field_, from, to, options);
     }
 
     /// Contact, and the stylus was at `before`: slides the proxy. Mostly it comes to a minimum that holds the stylus.

@@ -227,14 +227,17 @@ struct CellWalk {
     /// visitor stopped it, or the segment left `range` or ended.
     template <class Visitor>
     bool visit(const CellRange& range, const CellRange& part, Visitor&& visitor) noexcept {
+        const auto visit_beside = [&](const CellSpan& span) {
+            return !range.contains(span.cell) || visitor(span);
+        };
         if (!in_known) locate_entry();
         for (;;) {
             const CellExit exit = next_exit();
             const CellSpan span{{x.cell, y.cell}, t, exit.t, in, exit.at};
-            if ((x.on_line || y.on_line) && !visit_beside_line(range, span, visitor)) return false;
+            if ((x.on_line || y.on_line) && !visit_beside_line(span, visit_beside)) return false;
             if (range.contains(span.cell) && !visitor(span)) return false;
             if (exit.ends()) return false;
-            if (exit.at_vertex() && !visit_beside_vertex(range, exit, visitor)) return false;
+            if (exit.at_vertex() && !visit_beside_vertex(exit, visit_beside)) return false;
             cross(exit);
             if (!inside(part)) return inside(range);
         }
@@ -249,7 +252,7 @@ private:
     }
 
     /// Computes where the segment is in the cell with which the traversal begins or goes on.
-    void locate_entry() noexcept {
+    [[gnu::always_inline]] void locate_entry() noexcept {
         if (t == 0) { // no axis has been moved
             x.begin();
             y.begin();
@@ -259,7 +262,7 @@ private:
     }
 
     /// Where the segment leaves the current cell.
-    [[nodiscard]] CellExit next_exit() const noexcept {
+    [[nodiscard, gnu::always_inline]] CellExit next_exit() const noexcept {
         CellExit exit{glm::max(t, glm::min(glm::min(x.t_exit, y.t_exit), 1.0)), in,
                       x.t_exit <= y.t_exit && x.t_exit <= 1, y.t_exit <= x.t_exit && y.t_exit <= 1};
         if (exit.over_x) {
@@ -276,7 +279,7 @@ private:
     }
 
     /// Goes over the line, or the vertex, into the next cell.
-    void cross(const CellExit& exit) noexcept {
+    [[gnu::always_inline]] void cross(const CellExit& exit) noexcept {
         in = {exit.next_u(), exit.next_v()};
         if (exit.over_x) x.advance();
         if (exit.over_y) y.advance();
@@ -286,25 +289,25 @@ private:
     /// Visits the cell on the other side of the line along which the segment goes; the three others around the vertex over
     /// which it stands. They have the span on their border.
     template <class Visitor>
-    bool visit_beside_line(const CellRange& range, const CellSpan& span, Visitor&& visitor) const noexcept {
+    bool visit_beside_line(const CellSpan& span, Visitor&& visitor) const noexcept {
         for (const auto [left, below] : {Cell{1, 1}, Cell{0, 1}, Cell{1, 0}}) {
             if ((left > 0 && !x.on_line) || (below > 0 && !y.on_line)) continue;
             CellSpan beside = span;
             beside.cell = {x.cell - left, y.cell - below};
             if (left > 0) beside.in.x = beside.out.x = 1;
             if (below > 0) beside.in.y = beside.out.y = 1;
-            if (range.contains(beside.cell) && !visitor(beside)) return false;
+            if (!visitor(beside)) return false;
         }
         return true;
     }
 
     /// Visits the two cells that the segment touches at the vertex over which it leaves the current one.
     template <class Visitor>
-    bool visit_beside_vertex(const CellRange& range, const CellExit& exit, Visitor&& visitor) const noexcept {
+    bool visit_beside_vertex(const CellExit& exit, Visitor&& visitor) const noexcept {
         for (const bool along_x : {true, false}) {
             const glm::dvec2 at{along_x ? exit.next_u() : exit.at.x, along_x ? exit.at.y : exit.next_v()};
             const Cell cell = along_x ? Cell{x.cell + x.step, y.cell} : Cell{x.cell, y.cell + y.step};
-            if (range.contains(cell) && !visitor(CellSpan{cell, exit.t, exit.t, at, at})) return false;
+            if (!visitor(CellSpan{cell, exit.t, exit.t, at, at})) return false;
         }
         return true;
     }

@@ -56,7 +56,7 @@ public:
         double lowest, highest;
 
         [[nodiscard]] bool is_in(const IndexRange& range) const noexcept {
-            return range.begin <= begin && end <= range.end;
+            return range.begin <= begin && end - 1 < range.end;
         }
     };
 
@@ -232,7 +232,8 @@ private:
 
     /// Adds the empty slabs before `by_cells_until_`, from slab `slab` on and of the next `left`. False if a slab is not
     /// empty: then the search is over.
-    [[nodiscard]] bool add_by_cells(EmptySlabs& found, Index slab, Index left, Index budget) const noexcept {
+    [[nodiscard, gnu::always_inline]] bool add_by_cells(EmptySlabs& found, Index slab, Index left,
+                                                        Index budget) const noexcept {
         if (found.side == Side::below) return false; // cells are compared from above only
         const Index wanted = glm::min(glm::min(by_cells_until_ - slab, left), glm::max<Index>(budget / 3, 1));
         const Index empty = slabs_below(slab, wanted);
@@ -246,7 +247,7 @@ private:
 
     /// Adds the empty slabs as far as the next block of the level above, from slab `slab` on and of the next `left`. Goes
     /// one level up where all are empty, else one level down; from the lowest one to cells.
-    void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
+    [[gnu::always_inline]] void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
         const bool highest = level_ + 1 == levels_;
         const Index wanted = highest ? left : glm::min(slabs_left(level_ + 1, slab), left);
         const Index empty = empty_slabs(found, slab, wanted);
@@ -261,7 +262,8 @@ private:
     }
 
     /// `slabs_beside_blocks` on the side of what has been found; where that is not known yet, on either side.
-    [[nodiscard]] Index empty_slabs(EmptySlabs& found, Index slab, Index wanted) const noexcept {
+    [[nodiscard, gnu::always_inline]] Index empty_slabs(EmptySlabs& found, Index slab,
+                                                        Index wanted) const noexcept {
         Index empty = found.side == Side::below
                           ? slabs_beside_blocks<Side::below>(slab, wanted, found.looked_at)
                           : slabs_beside_blocks<Side::above>(slab, wanted, found.looked_at);
@@ -305,7 +307,8 @@ private:
 
     /// The heights of the blocks from `minor` to `last` of a slab of blocks. As blocks are as wide as they are long, these
     /// are one or two, which is hard to predict; three where the segment goes through a vertex.
-    [[nodiscard]] auto heights_of_blocks(Index major, Index minor, Index last) const noexcept {
+    [[nodiscard, gnu::always_inline]] auto heights_of_blocks(Index major, Index minor,
+                                                             Index last) const noexcept {
         auto heights = heights_of_pair(major, minor, last);
         if (last - minor > 1) [[unlikely]] {
             const auto middle = heights_of_pair(major, minor + 1, minor + 1);
@@ -313,7 +316,8 @@ private:
         }
         return heights;
     }
-    [[nodiscard]] auto heights_of_pair(Index major, Index one, Index other) const noexcept {
+    [[nodiscard, gnu::always_inline]] auto heights_of_pair(Index major, Index one,
+                                                           Index other) const noexcept {
         return field_.block_range(level_, cell_at<x_major>(major, one), cell_at<x_major>(major, other));
     }
 

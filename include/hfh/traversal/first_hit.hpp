@@ -85,7 +85,7 @@ struct CrossingTest {
     bool under = false;    ///< leaving: the segment leaves the last cell on the other side of the surface
     double covered_to = 0; ///< up to this t there were patches all along
 
-    /// Tests the next cell; false if the search is over. Inlined: a span that goes through memory costs 4 % of a cast.
+    /// Tests the next cell; false if the search is over. Inlined, so that the span does not go through memory.
     [[gnu::always_inline]] bool operator()(const CellSpan& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none; // behind a hole
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
@@ -202,10 +202,11 @@ private:
     }
 };
 
-/// `first_hit`, for a segment that is not short or has something in its way.
+/// `first_hit` without its quick look at a short segment, for a caller that has done this or expects something in the way.
 template <HeightField Field>
-void cast(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const FirstHitOptions& options,
-          FirstHit<typename Field::Scalar>& result) noexcept {
+[[nodiscard]] FirstHit<typename Field::Scalar>
+cast(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const FirstHitOptions& options) noexcept {
+    FirstHit<typename Field::Scalar> result;
     CrossingTest<Field> test{field, a, b, options, result};
     CellWalk walk{field.lattice(), {a.x, a.y}, {b.x, b.y}};
     const CellRange range = field.cells();
@@ -218,6 +219,7 @@ void cast(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const Fi
         walk_with_skipping<false>(field, range, walk, a.z, b.z, test);
     }
     test.finish();
+    return result;
 }
 
 } // namespace detail
@@ -225,18 +227,13 @@ void cast(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const Fi
 template <HeightField Field>
 FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a, const glm::dvec3& b,
                                            const FirstHitOptions& options) noexcept {
-    FirstHit<typename Field::Scalar> result;
     // A segment of two cells or more is seldom in two by two: it does not ask.
     const glm::dvec2 length = detail::length_in_cells(field.lattice(), a, b);
     if (glm::max(length.x, length.y) < 2 && options.side != Side::below && options.max_cells >= 4) {
-        result.cells = detail::cells_below_short_segment(field, a, b);
-        if (result.cells > 0) {
-            result.side = Side::above;
-            return result;
-        }
+        const Index cells = detail::cells_below_short_segment(field, a, b);
+        if (cells > 0) return {.side = Side::above, .cells = cells};
     }
-    detail::cast(field, a, b, options, result);
-    return result;
+    return detail::cast(field, a, b, options);
 }
 
 } // namespace hfh
