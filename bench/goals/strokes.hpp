@@ -79,10 +79,12 @@ template <Real T, class G>
 /// Updates by how they ended.
 struct Endings {
     double updates = 0, contacts = 0, left_at_hole = 0, limits = 0;
+    double dropped =
+        0; ///< in contact before, and not now, though the surface is over the stylus and has no rim there
 
     void add(const Endings& more) {
         updates += more.updates, contacts += more.contacts;
-        left_at_hole += more.left_at_hole, limits += more.limits;
+        left_at_hole += more.left_at_hole, limits += more.limits, dropped += more.dropped;
     }
 };
 
@@ -135,6 +137,7 @@ Endings check_trace(const G& ground, const Trace<T>& trace, const std::string& w
             endings.limits += contact.status == ContactStatus::sweep_limit ? 1 : 0;
             const bool below = stylus.z < ground.surface(stylus.x, stylus.y) - tolerance;
             check(contact.status != ContactStatus::free || !below, "free below the surface");
+            endings.dropped += was_touching && below && contact.status != ContactStatus::left_at_hole ? 1 : 0;
             check(proxy == stylus, "free, and the proxy is not at the stylus");
         }
         last = proxy;

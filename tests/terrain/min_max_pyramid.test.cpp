@@ -653,30 +653,28 @@ TEMPLATE_TEST_CASE("min_max_pyramid: a tracker over a grid with bounds feels wha
 TEMPLATE_TEST_CASE("min_max_pyramid: bounds real terrains, with holes and without", "[bounds][law]", float,
                    double) {
     using T = TestType;
-    const auto check = [](const std::string& name) {
-        const auto terrain = hfh::test::real_terrain<T>(name);
-        if (!terrain) return;
+    auto names = hfh::test::real_terrains_without_holes;
+    const auto& with = hfh::test::real_terrains_with_holes;
+    names.insert(names.end(), with.begin(), with.end());
+    hfh::test::on_real_terrains_or_skip<T>(names, [&](const std::string& name, const auto& terrain) {
         INFO(name);
         const auto count = build_and_check<T>(
-            HeightView{terrain->heights.data(), terrain->columns, terrain->rows}, terrain->frame);
-        const auto& with = hfh::test::real_terrains_with_holes;
+            HeightView{terrain.heights.data(), terrain.columns, terrain.rows}, terrain.frame);
         CHECK((count.holed > 0) == (std::find(with.begin(), with.end(), name) != with.end()));
         // Whole metres, as int16 with a value for holes.
         std::vector<std::int16_t> whole;
-        for (const T height : terrain->heights) {
+        for (const T height : terrain.heights) {
             whole.push_back(hfh::is_finite(height) ? static_cast<std::int16_t>(height)
                                                    : std::int16_t{-32768});
         }
         // As wide as in T, so as many blocks have holes.
         const std::vector<std::int32_t> wider(whole.begin(), whole.end());
-        CHECK(build_and_check<T>(HeightView{wider.data(), terrain->columns, terrain->rows,
-                                            MissingValue<std::int32_t>{-32768}})
+        CHECK(build_and_check<T>(
+                  HeightView{wider.data(), terrain.columns, terrain.rows, MissingValue<std::int32_t>{-32768}})
                   .holed == count.holed);
         const auto in_whole = build_and_check<T>(
-            HeightView{whole.data(), terrain->columns, terrain->rows, MissingValue<std::int16_t>{-32768}});
+            HeightView{whole.data(), terrain.columns, terrain.rows, MissingValue<std::int16_t>{-32768}});
         CHECK(in_whole.blocks > 3 * count.blocks); // half as wide
         CHECK((in_whole.holed > 0) == (count.holed > 0));
-    };
-    for (const auto& name : hfh::test::real_terrains_without_holes) check(name);
-    for (const auto& name : hfh::test::real_terrains_with_holes) check(name);
+    });
 }

@@ -171,8 +171,8 @@ private:
         step.held = std::clamp(check_.time() - sent_at_, 0.0, told.passed);
         step.moved = told.moved;
         // A told time that is later, as by a stamp out of order, stands; one that cannot be was for this update only.
-        const double now = check_.time();
-        sent_at_ = sent_at_ > now && sent_at_ - now <= limits_.max_gap ? sent_at_ : now;
+        const double now = check_.time(), max_back = limits_.max_gap;
+        sent_at_ = sent_at_ > now && sent_at_ - now <= max_back ? sent_at_ : now;
         return causes;
     }
 

@@ -3,7 +3,6 @@
 
 #include <hfh/geometry/scalar.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <concepts>
 
@@ -20,7 +19,8 @@ template <std::signed_integral I>
 [[nodiscard]] constexpr I farthest_cell() noexcept {
     constexpr I countable = std::numeric_limits<I>::max() / 4 - 1024;
     if constexpr (std::numeric_limits<I>::digits > 53) {
-        return std::min(countable, (I{1} << 51) - 1);
+        constexpr I exact = (I{1} << 51) - 1;
+        return countable < exact ? countable : exact;
     } else {
         return countable;
     }

@@ -12,8 +12,9 @@ namespace hfh {
 
 /// x, y and z, each rounded to the nearest multiple of a step.
 struct AxisEncoders {
-    double step = 0; ///< metres; 0: told as it is
+    double step = 0; ///< metres, ≥ 0; 0: told as it is
 
+    [[nodiscard]] bool valid() const noexcept { return is_at_least_zero(step); }
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) const noexcept {
         if (!(step > 0)) return position;
         return {std::round(position.x / step) * step, std::round(position.y / step) * step,
@@ -28,8 +29,12 @@ struct JointEncoders {
     double upper = 0.135;     ///< metres, > 0: the link from the shoulder to the elbow
     double lower = 0.135;     ///< metres, > 0: from the elbow to the end effector
     glm::dvec3 shoulder{0.0}; ///< metres
-    double step = 0;          ///< radians; 0: told as it is
+    double step = 0;          ///< radians, ≥ 0; 0: told as it is
 
+    [[nodiscard]] bool valid() const noexcept {
+        return is_at_least_zero(upper) && upper > 0 && is_at_least_zero(lower) && lower > 0 &&
+               is_finite(shoulder) && is_at_least_zero(step);
+    }
     /// A position that the links do not reach is told as the nearest one along the ray from the shoulder that they do.
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) const noexcept {
         if (!(step > 0)) return position;

@@ -37,10 +37,10 @@ inline constexpr DeviceModel simulated_touch{.mass = 0.045,
                                                               .workspace = {0.160, 0.070, 0.120}}};
 
 /// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (800 N/m, the m_maxLinearStiffness
-/// of its Premium 1.5); Choi and Tan (Effect of update rate on perceived instability of virtual haptic texture, 2004)
-/// found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is the stiffness of
-/// the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction, which is
-/// assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
+/// in its block "Premium 1.5 6DOF"); Choi and Tan (Effect of update rate on perceived instability of virtual haptic
+/// texture, 2004) found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is
+/// the stiffness of the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction,
+/// which is assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
 inline constexpr DeviceModel simulated_premium{.mass = 0.075,
                                                .viscous = 0.005,
                                                .dry = 0.04,
@@ -119,14 +119,14 @@ public:
         place(hand_, glm::dvec3{0.0});
     }
 
-    /// Whether model, grip, path and time are in range: `seconds` ≥ 0, ∞ for until the tick stops it, and what
-    /// `DeviceModel` and `StickSlipMass::valid` say.
+    /// Whether model, grip, encoders, path and time are in range: `seconds` ≥ 0, ∞ for until the tick stops it, and what
+    /// `DeviceModel` and `valid` of the axes and of the encoders say.
     [[nodiscard]] bool valid() const noexcept {
         const DeviceCapabilities& c = capabilities_;
         return is_at_least_zero(c.rate) && c.rate > 0 && axes_[0].valid(period()) &&
-               axes_[1].valid(period()) && axes_[2].valid(period()) && is_upper_limit(c.max_force) &&
-               is_at_least_zero(c.resolution) && 0 <= c.delay && c.delay <= max_delay && is_finite(hand_) &&
-               is_upper_limit(seconds_);
+               axes_[1].valid(period()) && axes_[2].valid(period()) && encoders_.valid() &&
+               is_upper_limit(c.max_force) && is_at_least_zero(c.resolution) && 0 <= c.delay &&
+               c.delay <= max_delay && is_finite(hand_) && is_upper_limit(seconds_);
     }
     [[nodiscard]] DeviceCapabilities capabilities() const noexcept { return capabilities_; }
     [[nodiscard]] double period() const noexcept { return 1 / capabilities_.rate; }
