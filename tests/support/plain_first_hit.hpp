@@ -5,20 +5,18 @@
 
 namespace hfh::test::plain {
 
-/// hfh::first_hit without any skipping: the library's own walk over every cell under the segment, each judged. Skipping
-/// must not change the answer by a bit.
+/// hfh::first_hit without any skipping: the library's own traversal and crossing test, of every cell under the segment.
+/// Skipping must not change the answer by a bit.
 template <HeightField Field>
 [[nodiscard]] FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a,
                                                          const glm::dvec3& b,
                                                          const FirstHitOptions& options = {}) noexcept {
     FirstHit<typename Field::Scalar> result;
-    hfh::detail::Judge<Field> judge{field, a, b, options, result};
+    hfh::detail::CrossingTest<Field> test{field, a, b, options, result};
     const CellRange range = field.cells();
-    const Lattice& lattice = field.lattice();
-    hfh::detail::CellWalk walk{
-        lattice, hfh::detail::SplitEnds{lattice, {a.x, a.y}, {b.x, b.y}}, {b.x - a.x, b.y - a.y}};
-    if (walk.enter(range)) walk.visit(range, range, judge);
-    judge.end();
+    hfh::detail::CellWalk walk{field.lattice(), {a.x, a.y}, {b.x, b.y}};
+    if (walk.enter(range)) walk.visit(range, range, test);
+    test.finish();
     return result;
 }
 

@@ -183,8 +183,8 @@ TEMPLATE_TEST_CASE(
         static_assert(HeightField<DilatedField<decltype(ground.grid())>>);
         const auto all = field.cells();
         int there = 0, beyond = 0;
-        for (Index j = all.first.j - 1; j <= all.last.j; ++j) {
-            for (Index i = all.first.i - 1; i <= all.last.i; ++i) {
+        for (Index j = all.begin.j - 1; j <= all.end.j; ++j) {
+            for (Index i = all.begin.i - 1; i <= all.end.i; ++i) {
                 const auto here = field.patch({i, j});
                 if (!here) continue;
                 REQUIRE(all.contains({i, j}));

@@ -122,10 +122,10 @@ TEMPLATE_TEST_CASE("ExtendedField: reaches as far as cells can be numbered and r
     const auto grid = ground.grid();
     const ExtendedField field{grid};
     const CellRange all = field.cells();
-    CHECK(field.patch(all.first)->p11 == 0);
-    CHECK(field.patch({all.last.i - 1, all.last.j - 1})->p00 == 36);
-    CHECK_FALSE(field.patch(all.last));
-    CHECK_FALSE(field.patch({all.first.i - 1, 0}));
+    CHECK(field.patch(all.begin)->p11 == 0);
+    CHECK(field.patch({all.end.i - 1, all.end.j - 1})->p00 == 36);
+    CHECK_FALSE(field.patch(all.end));
+    CHECK_FALSE(field.patch({all.begin.i - 1, 0}));
     constexpr Index most = std::numeric_limits<Index>::max(), least = std::numeric_limits<Index>::min();
     CHECK_FALSE(field.patch({most, most}));
     CHECK_FALSE(field.patch({least, 2}));
@@ -265,5 +265,5 @@ TEST_CASE("ExtendedField: needs the field only", "[extended_field]") {
     const ExtendedField once{grid};
     const ExtendedField<ExtendedField<Grid>> twice{once};
     CHECK(twice.patch({-7, 9})->p00 == once.patch({-7, 9})->p00);
-    CHECK(twice.cells().last == once.cells().last);
+    CHECK(twice.cells().end == once.cells().end);
 }

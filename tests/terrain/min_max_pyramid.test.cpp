@@ -60,7 +60,7 @@ HeightRange<typename Field::Scalar> by_patches(const Grid& grid, int level, Cell
     using T = typename Field::Scalar;
     constexpr T lowest = std::numeric_limits<T>::lowest(), highest = std::numeric_limits<T>::max();
     const Index side = block_side<typename Grid::SampleType>(level);
-    const Cell last = grid.cells().last;
+    const Cell last = grid.cells().end;
     HeightRange<T> range{highest, lowest};
     for (Index j = side * block.j; j < std::min(last.j, side * (block.j + 1)); ++j) {
         for (Index i = side * block.i; i < std::min(last.i, side * (block.i + 1)); ++i) {
@@ -90,10 +90,10 @@ Index wrong_beside(const Field& field, int level, Cell block,
                    const HeightRange<typename Field::Scalar>& wanted) {
     using T = typename Field::Scalar;
     const Index side = block_side<typename Field::Grid::SampleType>(level);
-    const Cell last = field.cells().last;
+    const Cell end = field.cells().end;
     Index wrong = 0;
     for (const Cell other : {Cell{block.i + 1, block.j}, Cell{block.i, block.j + 1}}) {
-        if (other.i * side >= last.i || other.j * side >= last.j) continue;
+        if (other.i * side >= end.i || other.j * side >= end.j) continue;
         const auto beside = by_patches<Field>(field.grid(), level, other);
         const HeightRange<T> both{std::min(wanted.lowest, beside.lowest),
                                   std::max(wanted.highest, beside.highest)};
@@ -108,7 +108,7 @@ template <class Field>
 Count check_all(const Field& field) {
     Count count;
     Index wrong = 0;
-    const Cell last = field.cells().last;
+    const Cell last = field.cells().end;
     for (int level = 0; level < field.levels(); ++level) {
         const Index side = block_side<typename Field::Grid::SampleType>(level);
         for (Index j = 0; j * side < last.j; ++j) {
@@ -384,10 +384,10 @@ TEMPLATE_TEST_CASE("min_max_pyramid: after an edit an update of the samples equa
             // Brushes of all sizes, some of them partly or wholly beside the terrain.
             const Index reach = edit % 4 == 0 ? 120 : 12;
             CellRange brush{{random.whole(-10, w), random.whole(-10, h)}, {}};
-            brush.last = {brush.first.i + random.whole(0, reach), brush.first.j + random.whole(0, reach)};
+            brush.end = {brush.begin.i + random.whole(0, reach), brush.begin.j + random.whole(0, reach)};
             const S height = static_cast<S>(random.whole(0, 120));
-            for (Index j = std::max<Index>(0, brush.first.j); j < std::min(h, brush.last.j); ++j) {
-                for (Index i = std::max<Index>(0, brush.first.i); i < std::min(w, brush.last.i); ++i) {
+            for (Index j = std::max<Index>(0, brush.begin.j); j < std::min(h, brush.end.j); ++j) {
+                for (Index i = std::max<Index>(0, brush.begin.i); i < std::min(w, brush.end.i); ++i) {
                     samples[static_cast<std::size_t>(i + j * w)] = height;
                 }
             }

@@ -132,7 +132,7 @@ private:
         cells += exact.size();
         if (order.empty() && difference.empty()) return;
         CAPTURE(whole.origin.x, whole.unit, whole.step[0], whole.step[1]);
-        CAPTURE(range.first.i, range.first.j, range.last.i, range.last.j, a[0], a[1], b[0], b[1]);
+        CAPTURE(range.begin.i, range.begin.j, range.end.i, range.end.j, a[0], a[1], b[0], b[1]);
         CHECK(order == "");
         CHECK(difference == "");
         if (++failures == 5) FAIL("and so on");
@@ -171,15 +171,15 @@ void for_each_lattice_and_range(Each&& each) {
 
 /// Points in and two cells around the range.
 WholePoint somewhere(Random& random, const ExactCheck& check) {
-    return {random.whole((check.range.first.i - 2) * check.whole.step[0],
-                         (check.range.last.i + 2) * check.whole.step[0]),
-            random.whole((check.range.first.j - 2) * check.whole.step[1],
-                         (check.range.last.j + 2) * check.whole.step[1])};
+    return {random.whole((check.range.begin.i - 2) * check.whole.step[0],
+                         (check.range.end.i + 2) * check.whole.step[0]),
+            random.whole((check.range.begin.j - 2) * check.whole.step[1],
+                         (check.range.end.j + 2) * check.whole.step[1])};
 }
 
 WholePoint vertex(Random& random, const ExactCheck& check) {
-    return {random.whole(check.range.first.i - 2, check.range.last.i + 2) * check.whole.step[0],
-            random.whole(check.range.first.j - 2, check.range.last.j + 2) * check.whole.step[1]};
+    return {random.whole(check.range.begin.i - 2, check.range.end.i + 2) * check.whole.step[0],
+            random.whole(check.range.begin.j - 2, check.range.end.j + 2) * check.whole.step[1]};
 }
 
 } // namespace
@@ -389,8 +389,8 @@ TEST_CASE("candidate_walker: on numbers that are not exact it errs by less than 
         // Positions of 1e7 m are known to 2e-9 m; grid lines are asked for to no better.
         const Exact margin =
             far > 0 ? 1e-9L + 4e-9L / static_cast<Exact>(std::min(spacing.x, spacing.y)) : 1e-9L;
-        for (Index j = range.first.j; j < range.last.j; ++j) {
-            for (Index i = range.first.i; i < range.last.i; ++i) {
+        for (Index j = range.begin.j; j < range.end.j; ++j) {
+            for (Index i = range.begin.i; i < range.end.i; ++i) {
                 const bool found = std::any_of(spans.begin(), spans.end(), [&](const CellSpan& s) {
                     return s.cell == Cell{i, j};
                 });

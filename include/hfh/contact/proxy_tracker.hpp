@@ -101,7 +101,8 @@ public:
         if (state_.phase == Phase::unseen) state_.swept_to = to;
         // What `search` comes to nearly always, without a look at anything else.
         if (state_.side != Side::below && options_.max_patches >= 4) {
-            if (const Index cells = detail::passes_over(*field_, state_.swept_to, to); cells > 0) {
+            if (const Index cells = detail::cells_below_short_segment(*field_, state_.swept_to, to);
+                cells > 0) {
                 state_.side = Side::above;
                 state_.swept_to = to;
                 state_.phase = Phase::free;
@@ -156,9 +157,7 @@ private:
                                         int max_cells) const noexcept {
         options.surface = options_.surface;
         options.max_cells = max_cells;
-        FirstHit<Scalar> hit;
-        detail::search(*field_, from, to, options, hit);
-        return hit;
+        return detail::cast(*field_, from, to, options);
     }
 
     /// Contact, and the stylus was at `before`: slides the proxy. Mostly it comes to a minimum that holds the stylus.

@@ -53,7 +53,7 @@ public:
         } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !all_integers(is_finite<T>)) {
             status_ = GridStatus::bad_height_scale;
         } else {
-            cells_.last = {heights.columns() - 1, heights.rows() - 1};
+            cells_.end = {heights.columns() - 1, heights.rows() - 1};
             integers_exceed_limit_ = !all_integers(is_height<T>);
         }
     }

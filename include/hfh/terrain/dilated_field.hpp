@@ -57,8 +57,8 @@ public:
         if (inside.empty() || !spacing_in_range<Scalar>(lattice().spacing())) return {};
         const glm::dvec2 reach =
             widen(radius_) * subdivisions_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
-        return {{fine_line(inside.first.i, -reach.x), fine_line(inside.first.j, -reach.y)},
-                {fine_line(inside.last.i, reach.x), fine_line(inside.last.j, reach.y)}};
+        return {{fine_line(inside.begin.i, -reach.x), fine_line(inside.begin.j, -reach.y)},
+                {fine_line(inside.end.i, reach.x), fine_line(inside.end.j, reach.y)}};
     }
     [[nodiscard]] std::optional<BilinearPatch<Scalar>> patch(Cell c) const noexcept {
         if (!cells().contains(c)) return std::nullopt;
@@ -156,7 +156,7 @@ private:
     }
     /// Fine line over coarse line i and `by` fine cells more, as far as cells can be numbered.
     [[nodiscard]] constexpr Index fine_line(Index i, double by) const noexcept {
-        constexpr Index far = CellRange::endless().last.i;
+        constexpr Index far = CellRange::endless().end.i;
         const double line = static_cast<double>(i) * subdivisions_ + by;
         return line < static_cast<double>(-far)  ? -far
                : line > static_cast<double>(far) ? far

@@ -36,8 +36,8 @@ public:
         const CellRange inside = field_->cells();
         if (inside.contains(c)) return field_->patch(c);
         if (inside.empty() || !CellRange::endless().contains(c)) return std::nullopt;
-        const Cell nearest{std::clamp(c.i, inside.first.i, inside.last.i - 1),
-                           std::clamp(c.j, inside.first.j, inside.last.j - 1)};
+        const Cell nearest{std::clamp(c.i, inside.begin.i, inside.end.i - 1),
+                           std::clamp(c.j, inside.begin.j, inside.end.j - 1)};
         auto found = field_->patch(nearest);
         if (!found) return std::nullopt;
         auto& p = *found;
