@@ -46,12 +46,12 @@ template <Real T>
 void register_all() {
     const std::string scalar = scalar_name<T>;
     // 64 × 64 cells are 8 KiB of samples: they stay in the first-level cache.
-    add("bilinear_patch/dependent_evaluation/moab_64x64/" + scalar,
-        [](benchmark::State& state) { dependent_evaluation<T>(state, terrain(1), 64); });
-    add("bilinear_patch/dependent_evaluation/moab/" + scalar,
-        [](benchmark::State& state) { dependent_evaluation<T>(state, terrain(1), 0); });
-    add("bilinear_patch/independent_evaluation/moab/" + scalar,
-        [](benchmark::State& state) { independent_evaluation<T>(state, terrain(1)); });
+    add("bilinear_patch/dependent_evaluation/hills_64x64/" + scalar,
+        [](benchmark::State& state) { dependent_evaluation<T>(state, terrain(large_hills), 64); });
+    add("bilinear_patch/dependent_evaluation/hills_1.56M/" + scalar,
+        [](benchmark::State& state) { dependent_evaluation<T>(state, terrain(large_hills), 0); });
+    add("bilinear_patch/independent_evaluation/hills_1.56M/" + scalar,
+        [](benchmark::State& state) { independent_evaluation<T>(state, terrain(large_hills)); });
 }
 
 } // namespace

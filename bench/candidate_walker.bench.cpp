@@ -90,17 +90,17 @@ void candidates(benchmark::State& state, const Terrain& terrain, double length) 
 } // namespace
 
 void register_benchmarks() {
-    for (std::size_t t = 0; t < 2; ++t) {
-        const std::string ground = all_terrains[t].name;
+    for (const TerrainKind& kind : {small_hills, large_hills}) {
+        const std::string ground = kind.name;
         for (std::size_t l = 0; l < std::size(segment_lengths); ++l) {
             const double length = segment_lengths[l];
             const std::string of = std::string{segment_names[l]} + "/" + ground;
             add("candidate_walker/cells_" + of,
-                [=](benchmark::State& state) { walk(state, terrain(t), length); });
+                [=](benchmark::State& state) { walk(state, terrain(kind), length); });
             add("candidate_walker/candidates_" + of + "/double",
-                [=](benchmark::State& state) { candidates<double>(state, terrain(t), length); });
+                [=](benchmark::State& state) { candidates<double>(state, terrain(kind), length); });
             add("candidate_walker/candidates_" + of + "/float",
-                [=](benchmark::State& state) { candidates<float>(state, terrain(t), length); });
+                [=](benchmark::State& state) { candidates<float>(state, terrain(kind), length); });
         }
     }
 }

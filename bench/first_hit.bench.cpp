@@ -52,13 +52,14 @@ void cast(benchmark::State& state, const Terrain& terrain, double length) {
 } // namespace
 
 void register_benchmarks() {
-    for (std::size_t t = 0; t < std::size(all_terrains); ++t) {
+    for (const TerrainKind& kind : all_terrains()) {
         for (std::size_t l = 0; l < std::size(segment_lengths); ++l) {
             const double length = segment_lengths[l];
             const std::string name =
-                "first_hit/cells_" + std::string{segment_names[l]} + "/" + all_terrains[t].name + "/";
-            add(name + "double", [=](benchmark::State& state) { cast<double>(state, terrain(t), length); });
-            add(name + "float", [=](benchmark::State& state) { cast<float>(state, terrain(t), length); });
+                "first_hit/cells_" + std::string{segment_names[l]} + "/" + kind.name + "/";
+            add(name + "double",
+                [=](benchmark::State& state) { cast<double>(state, terrain(kind), length); });
+            add(name + "float", [=](benchmark::State& state) { cast<float>(state, terrain(kind), length); });
         }
     }
 }

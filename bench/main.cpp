@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     benchmark::AddCustomContext("cpu", hfh::bench::cpu_name());
+    benchmark::AddCustomContext("last_cache", hfh::bench::last_cache());
     benchmark::AddCustomContext("compiler", hfh::bench::compiler_name);
     benchmark::AddCustomContext("flags", HFH_BENCH_FLAGS);
     hfh::bench::register_benchmarks();

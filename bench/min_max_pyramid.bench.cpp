@@ -186,8 +186,8 @@ void add_build(const std::string& name, Body&& body) {
 } // namespace
 
 void register_benchmarks() {
-    add_build("min_max_pyramid/build/moab/int16", [](benchmark::State& state) {
-        const Terrain& ground = terrain(1);
+    add_build("min_max_pyramid/build/hills_1.56M/int16", [](benchmark::State& state) {
+        const Terrain& ground = terrain(large_hills);
         state.SetLabel(ground.label());
         build(state, ground.grid<double>().heights(), ground.samples.data());
     });
@@ -214,8 +214,8 @@ void register_benchmarks() {
         const auto& r = raster<double>(8193);
         build(state, HeightView{r.samples.data(), r.columns, r.rows}, r.samples.data());
     });
-    add("min_max_pyramid/update/brush_10/moab/int16", [](benchmark::State& state) {
-        Terrain ground = terrain(1);
+    add("min_max_pyramid/update/brush_10/hills_1.56M/int16", [](benchmark::State& state) {
+        Terrain ground = terrain(large_hills);
         state.SetLabel(ground.label());
         update(state, ground.samples, ground.kind.columns, ground.kind.rows);
     });

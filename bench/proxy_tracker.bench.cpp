@@ -5,7 +5,6 @@
 #include <hfh/force/force_evaluator.hpp>
 
 #include <memory>
-#include <optional>
 
 namespace hfh::bench {
 namespace {
@@ -79,11 +78,10 @@ Findings look_at(const Terrain& terrain, const Motion& motion, const Trace<T>& t
 template <Real T>
 class TrackerBenchmark {
 public:
-    TrackerBenchmark(std::size_t terrain_number, const Motion& motion, std::optional<double> goal)
-        : number_{terrain_number}, motion_{motion}, goal_{goal} {}
+    TrackerBenchmark(const TerrainKind& kind, const Motion& motion) : kind_{kind}, motion_{motion} {}
 
     void operator()(benchmark::State& state) {
-        const Terrain& ground = terrain(number_);
+        const Terrain& ground = terrain(kind_);
         if (trace_.stylus.empty()) prepare(ground);
         if (!found_.wrong.empty()) return fail(state, found_.wrong);
         if (times_.worst >= too_slow) return fail(state, "an update took 1 ms or more");
@@ -107,7 +105,6 @@ public:
         state.counters["depth_cells"] = found_.contacts > 0 ? found_.depth / found_.contacts : 0;
         state.counters["bytes_beside_heights"] = static_cast<double>(bytes_);
         state.counters["state_bytes"] = static_cast<double>(sizeof(TrackerState<T>));
-        if (goal_) state.counters["goal_ns"] = *goal_;
     }
 
 private:
@@ -123,9 +120,8 @@ private:
         times_ = time_by_replay(grid, trace_, replays);
     }
 
-    std::size_t number_;
+    TerrainKind kind_;
     Motion motion_;
-    std::optional<double> goal_;
     Trace<T> trace_;
     Findings found_;
     UpdateTimes times_;
@@ -154,17 +150,14 @@ constexpr NamedMotion motions[] = {
 // clang-format on
 
 template <Real T>
-void register_all() {
+void register_all(const std::vector<TerrainKind>& kinds) {
     const std::string scalar = scalar_name<T>;
-    add("reference/dependent_evaluation/moab_64x64/" + scalar,
-        [](benchmark::State& state) { dependent_evaluation<T>(state, terrain(1), 64); });
-    for (std::size_t t = 0; t < std::size(all_terrains); ++t) {
+    add("reference/dependent_evaluation/hills_64x64/" + scalar,
+        [](benchmark::State& state) { dependent_evaluation<T>(state, terrain(large_hills), 64); });
+    for (const TerrainKind& kind : kinds) {
         for (const auto& [name, motion] : motions) {
-            const std::string full =
-                std::string{"tracker/"} + name + "/" + all_terrains[t].name + "/" + scalar;
-            std::optional<double> goal;
-            if (full == "tracker/slide_0.5/moab/double") goal = 250;
-            const auto body = std::make_shared<TrackerBenchmark<T>>(t, motion, goal);
+            const std::string full = std::string{"tracker/"} + name + "/" + kind.name + "/" + scalar;
+            const auto body = std::make_shared<TrackerBenchmark<T>>(kind, motion);
             add(full, [body](benchmark::State& state) { (*body)(state); });
         }
     }
@@ -173,8 +166,9 @@ void register_all() {
 } // namespace
 
 void register_benchmarks() {
-    register_all<double>();
-    register_all<float>();
+    const auto kinds = all_terrains();
+    register_all<double>(kinds);
+    register_all<float>(kinds);
 }
 
 } // namespace hfh::bench

@@ -74,15 +74,16 @@ hfh::vec3<double> hand(int ms) {
 
 /// What the hand does at a time, in words.
 const char* doing(int ms) {
-    return ms < 200    ? "waits"
-           : ms < 1000 ? "presses down"
-           : ms < 1200 ? "holds"
-           : ms < 2200 ? "drags"
-           : ms < 2400 ? "holds"
-           : ms < 2600 ? "lifts"
-           : ms < 3000 ? "rests"
-           : ms < 3400 ? "rests; a brush heaps up"
-                       : "rests";
+    struct Phase {
+        int end; // ms
+        const char* words;
+    };
+    constexpr Phase phases[] = {
+        {200, "waits"},  {1000, "presses down"}, {1200, "holds"}, {2200, "drags"},
+        {2400, "holds"}, {2600, "lifts"},        {3000, "rests"}, {3400, "rests; a brush heaps up"}};
+    for (const auto& [end, words] : phases)
+        if (ms < end) return words;
+    return "rests";
 }
 
 /// A cross-section, drawn with '.' for ground that was dug away, '+' for ground that was heaped up and '#' for the rest.

@@ -122,6 +122,45 @@ private:
     }
 };
 
+/// What is wrong with spans in their order along the segment; empty if nothing is.
+std::string span_fault(const std::vector<CellSpan>& spans) {
+    double reached = spans.empty() ? 0 : spans.front().t_in;
+    for (const auto& span : spans) {
+        if (!(0 <= span.t_in && span.t_in <= span.t_out && span.t_out <= 1))
+            return "not a span of the segment";
+        if (span.t_in > reached) return "leaves a gap";
+        for (const double w : {span.in.x, span.in.y, span.out.x, span.out.y})
+            if (!(0 <= w && w <= 1)) return "enters or leaves outside the cell";
+        reached = std::max(reached, span.t_out);
+    }
+    return {};
+}
+
+/// What is wrong with how often a cell was visited, and offered as a candidate; empty if nothing is.
+template <Real T>
+std::string cell_fault(const Surface<T>& surface, const Projection& p, const Segment& s, Cell cell,
+                       std::ptrdiff_t visits, std::ptrdiff_t offers) {
+    const Wide gap = p.gap(cell), blur = p.exact ? 0 : p.blur;
+    const bool meets = p.exact ? gap <= 0 : gap <= -blur;
+    if (visits > 1 || offers > 1) return "comes twice";
+    if (meets && visits == 0) return "is missed";
+    if (gap > blur && visits != 0) return "is invented";
+    if (offers > visits) return "is a candidate off the walk";
+    const auto patch = surface.patch(cell.i, cell.j);
+    if (!patch && offers != 0) return "has no patch and is a candidate";
+    if (!patch || !meets || visits == 0) return {};
+    // The height of the part over the cell: its times err by the blur over the length.
+    const auto [in, out] = p.times(cell);
+    const Wide az = static_cast<Wide>(s.a.z), bz = static_cast<Wide>(s.b.z);
+    const Wide lowest = std::min(az + in * (bz - az), az + out * (bz - az));
+    const Wide shortest = std::max(p.length(), Wide(1e-30L));
+    const Wide unsure = 8 * eps_double * (std::abs(az) + std::abs(bz) + std::abs(patch->highest())) +
+                        std::abs(bz - az) * std::min(p.length() == 0 ? Wide(0) : p.blur / shortest, Wide(1));
+    if (lowest < patch->highest() - unsure && offers == 0) return "is no candidate";
+    if (lowest > patch->highest() + unsure && offers != 0) return "is a candidate, far below";
+    return {};
+}
+
 /// What is wrong with a walk; empty if nothing is.
 template <Real T>
 std::string walk_fault(const Terrain<T>& terrain, const Segment& s) {
@@ -132,15 +171,7 @@ std::string walk_fault(const Terrain<T>& terrain, const Segment& s) {
         spans.push_back(span);
         return spans.size() < 10000; // so that a walk that never ends fails instead
     });
-    double reached = spans.empty() ? 0 : spans.front().t_in;
-    for (const auto& span : spans) {
-        if (!(0 <= span.t_in && span.t_in <= span.t_out && span.t_out <= 1))
-            return "not a span of the segment";
-        if (span.t_in > reached) return "leaves a gap";
-        for (const double w : {span.in.x, span.in.y, span.out.x, span.out.y})
-            if (!(0 <= w && w <= 1)) return "enters or leaves outside the cell";
-        reached = std::max(reached, span.t_out);
-    }
+    if (std::string fault = span_fault(spans); !fault.empty()) return fault;
     std::vector<Cell> candidates;
     walk_candidates(grid, vec3<double>{s.a}, vec3<double>{s.b}, [&](const CellSpan& span, const auto&) {
         candidates.push_back(span.cell);
@@ -150,29 +181,11 @@ std::string walk_fault(const Terrain<T>& terrain, const Segment& s) {
     for (Index j = 0; j + 1 < terrain.rows; ++j) {
         for (Index i = 0; i + 1 < terrain.columns; ++i) {
             const Cell cell{i, j};
-            const std::string name = "cell " + std::to_string(i) + ' ' + std::to_string(j) + ' ';
             const auto visits = std::count_if(spans.begin(), spans.end(),
                                               [&](const CellSpan& span) { return span.cell == cell; });
             const auto offers = std::count(candidates.begin(), candidates.end(), cell);
-            const Wide gap = p.gap(cell), blur = p.exact ? 0 : p.blur;
-            const bool meets = p.exact ? gap <= 0 : gap <= -blur;
-            if (visits > 1 || offers > 1) return name + "comes twice";
-            if (meets && visits == 0) return name + "is missed";
-            if (gap > blur && visits != 0) return name + "is invented";
-            if (offers > visits) return name + "is a candidate off the walk";
-            const auto patch = surface.patch(i, j);
-            if (!patch && offers != 0) return name + "has no patch and is a candidate";
-            if (!patch || !meets || visits == 0) continue;
-            // The height of the part over the cell: its times err by the blur over the length.
-            const auto [in, out] = p.times(cell);
-            const Wide az = static_cast<Wide>(s.a.z), bz = static_cast<Wide>(s.b.z);
-            const Wide lowest = std::min(az + in * (bz - az), az + out * (bz - az));
-            const Wide shortest = std::max(p.length(), Wide(1e-30L));
-            const Wide unsure =
-                8 * eps_double * (std::abs(az) + std::abs(bz) + std::abs(patch->highest())) +
-                std::abs(bz - az) * std::min(p.length() == 0 ? Wide(0) : p.blur / shortest, Wide(1));
-            if (lowest < patch->highest() - unsure && offers == 0) return name + "is no candidate";
-            if (lowest > patch->highest() + unsure && offers != 0) return name + "is a candidate, far below";
+            const std::string fault = cell_fault(surface, p, s, cell, visits, offers);
+            if (!fault.empty()) return "cell " + std::to_string(i) + ' ' + std::to_string(j) + ' ' + fault;
         }
     }
     return {};

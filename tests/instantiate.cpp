@@ -1,6 +1,5 @@
 // Instantiates every template for every scalar and sample type, in a translation unit of its own: what is not inline
-// enough shows at link time, what only compiles when unused shows here. Compiled a second time without exceptions and
-// without RTTI.
+// enough shows at link time, what only compiles when unused shows here. Compiled without exceptions and without RTTI.
 
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>

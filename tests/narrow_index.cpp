@@ -71,7 +71,7 @@ void check_scalar() {
     }
 
     // At the last cells there are: whatever comes of it, it is in range and finite.
-    const auto last = static_cast<double>(CellRange::endless().last.i);
+    const auto last = static_cast<double>(CellRange::endless().end.i);
     const Level<T>& field = metres;
     ProxyTracker tracker{field};
     const ForceEvaluator<T> force{};
@@ -82,8 +82,8 @@ void check_scalar() {
                     tracker.update({static_cast<T>(x), static_cast<T>(y), static_cast<T>(z)});
                 check(is_finite(contact.depth) && is_finite(force(contact).newtons),
                       "at the end of the cells");
-                check(contact.point.cell.i >= -CellRange::endless().last.i &&
-                          contact.point.cell.i <= CellRange::endless().last.i,
+                check(contact.point.cell.i >= -CellRange::endless().end.i &&
+                          contact.point.cell.i <= CellRange::endless().end.i,
                       "a cell that there is");
             }
         }
@@ -100,7 +100,7 @@ void check_scalar() {
     const ExtendedField beyond{grid};
     check_strokes(beyond, {500'000, 5'300'000}, 1, "beyond a grid");
     const DilatedField raised{beyond, T(0.25), 1000};
-    check(raised.cells().last.i == CellRange::endless().last.i, "cut at the last cell that can be numbered");
+    check(raised.cells().end.i == CellRange::endless().end.i, "cut at the last cell that can be numbered");
     check(raised.height(2'000'000, 300'000'000).has_value(), "raised, far out");
 }
 

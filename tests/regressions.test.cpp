@@ -3,7 +3,7 @@
 #include "support/terrains.hpp"
 #include "support/watchdog.hpp"
 #if defined(HFH_TOUCH_TERRAIN)
-#include "touch_terrain_files.hpp"
+#include "apps/touch_terrain_files.hpp"
 #endif
 
 #include <hfh/hfh.hpp>

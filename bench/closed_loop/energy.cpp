@@ -112,86 +112,116 @@ template <Real T>
     return held;
 }
 
+/// A rigid hand's motions on all grounds.
+struct Rigid {
+    Worst press, stroke, squares, lowest;
+    Findings::Detail presses{"press: energy / K·T·v·D", {}}, strokes{"stroke: energy / K·T·v·D", {}},
+        mean_stroke{"… mean", {}};
+
+    /// Motions of a kind on one ground.
+    struct Here {
+        Worst worst;
+        double sum = 0;
+        int count = 0;
+    };
+
+    template <Real T>
+    void run(const Ground<T>& ground, Site<T>& site, Touching<T>& touching, const Effort& effort) {
+        Here press_here, stroke_here;
+        for (const double depth : {0.5e-3, 2e-3}) {
+            for (const double speed : {0.02, 0.1, 0.5}) {
+                const double step = speed * period;
+                const auto add = [&](const Path& path, Here& here) {
+                    const auto given = follow(touching, path, speed, depth);
+                    here.worst.add(given.share, ground.name);
+                    here.sum += given.share;
+                    ++here.count;
+                    squares.add(given.of_squares, ground.name);
+                    lowest.add(-given.lowest, ground.name);
+                };
+                for (int n = effort.counted(100); n > 0; --n) add(site.press(depth, step), press_here);
+                for (int n = effort.counted(40); n > 0; --n)
+                    if (const auto path = site.stroke(40 * cell, depth, step)) add(*path, stroke_here);
+            }
+        }
+        press.add(press_here.worst.value, ground.name);
+        stroke.add(stroke_here.worst.value, ground.name);
+        const auto& [worst, sum, count] = stroke_here;
+        presses.by_ground.push_back(text("%.3f", press_here.worst.value));
+        strokes.by_ground.push_back(count > 0 ? text("%.3f", worst.value) : "–");
+        mean_stroke.by_ground.push_back(count > 0 ? text("%.2f", sum / count) : "–");
+    }
+};
+
 /// One device in the hand on all grounds.
 struct InHand {
-    Worst tank, tank_real, coupled, alone, off, beyond, own, deeper, shallower;
+    const hfh::DeviceModel& model;
+    Worst tank{}, tank_real{}, coupled{}, alone{}, off{}, beyond{}, own{}, deeper{}, shallower{}, squares{};
+    long updates = 0, shortened = 0;
+    unsigned long long exceeded = 0;
+
+    template <Real T>
+    void run(const Ground<T>& ground, Site<T>& site, const Effort& effort, Findings& findings) {
+        Touching<T> touching{ground.terrain, model.capabilities.max_stiffness};
+        for (int n = effort.counted(40); n > 0; --n) {
+            const double step = n % 4 < 2 ? 0.1e-3 : 0.5e-3;
+            const bool presses = n % 2 == 0;
+            const auto path =
+                presses ? std::optional{site.press(6e-3, step)} : site.stroke(40 * cell, 6e-3, step);
+            if (path) follow_all(touching, *path, ground.name, presses, step < 0.2e-3);
+        }
+        findings.lag.add(touching);
+    }
+
+private:
+    /// One path with each link; `slow`: at 0.1 m/s.
+    template <Real T>
+    void follow_all(Touching<T>& touching, const Path& path, const std::string& ground, bool presses,
+                    bool slow) {
+        const auto by_spring = follow_in_hand(touching, model, path, Link::none);
+        const auto by_coupling = follow_in_hand(touching, model, path, Link::coupling);
+        const auto by_tank = follow_in_hand(touching, model, path, Link::tank);
+        squares.add(by_spring.of_squares, ground);
+        alone.add(-by_spring.real, ground);
+        coupled.add(-by_coupling.real, ground);
+        if (slow) {
+            beyond.add(by_coupling.beyond, ground);
+            own.add(by_coupling.own, ground);
+        }
+        off.add(std::max(by_spring.observed_off, by_coupling.observed_off), ground);
+        if (presses) {
+            deeper.add(by_coupling.deepest / by_spring.deepest, ground);
+            shallower.add(by_spring.deepest / by_coupling.deepest, ground);
+        }
+        tank.add(-by_tank.told, ground);
+        tank_real.add(-by_tank.real, ground);
+        updates += by_tank.updates;
+        shortened += by_tank.shortened;
+        exceeded += by_tank.exceeded;
+    }
 };
 
 } // namespace
 
 template <Real T>
 void energy(const Effort& effort, Findings& findings) {
-    Worst press, stroke, squares, rigid;
-    InHand in_hands[2]; // Touch, Premium
-    Findings::Detail presses{"press: energy / K·T·v·D", {}}, strokes{"stroke: energy / K·T·v·D", {}},
-        mean_stroke{"… mean", {}};
-    long updates = 0, shortened = 0;
-    unsigned long long exceeded = 0;
+    Rigid of_rigid;
+    InHand in_hands[2]{{hfh::simulated_touch}, {hfh::simulated_premium}};
     for (const auto& ground : grounds<T>(cell)) {
         Site<T> site{ground.terrain, 11};
         Touching<T> touching{ground.terrain, stiffness};
-        Worst press_here, stroke_here;
-        double sum = 0;
-        int count = 0;
-        for (const double depth : {0.5e-3, 2e-3}) {
-            for (const double speed : {0.02, 0.1, 0.5}) {
-                const double step = speed * period;
-                for (int n = effort.counted(100); n > 0; --n) {
-                    const auto given = follow(touching, site.press(depth, step), speed, depth);
-                    press_here.add(given.share, ground.name);
-                    squares.add(given.of_squares, ground.name);
-                    rigid.add(-given.lowest, ground.name);
-                }
-                for (int n = effort.counted(40); n > 0; --n) {
-                    const auto path = site.stroke(40 * cell, depth, step);
-                    if (!path) continue;
-                    const auto given = follow(touching, *path, speed, depth);
-                    stroke_here.add(given.share, ground.name);
-                    squares.add(given.of_squares, ground.name);
-                    rigid.add(-given.lowest, ground.name);
-                    sum += given.share;
-                    ++count;
-                }
-            }
-        }
-        press.add(press_here.value, ground.name);
-        stroke.add(stroke_here.value, ground.name);
-        presses.by_ground.push_back(text("%.3f", press_here.value));
-        strokes.by_ground.push_back(count > 0 ? text("%.3f", stroke_here.value) : "–");
-        mean_stroke.by_ground.push_back(count > 0 ? text("%.2f", sum / count) : "–");
+        of_rigid.run(ground, site, touching, effort);
         findings.lag.add(touching);
-
-        for (InHand& of : in_hands) {
-            const auto& model = &of == in_hands ? hfh::simulated_touch : hfh::simulated_premium;
-            Touching<T> in_hand{ground.terrain, model.capabilities.max_stiffness};
-            for (int n = effort.counted(40); n > 0; --n) {
-                const double step = n % 4 < 2 ? 0.1e-3 : 0.5e-3;
-                const auto path =
-                    n % 2 == 0 ? std::optional{site.press(6e-3, step)} : site.stroke(40 * cell, 6e-3, step);
-                if (!path) continue;
-                const auto alone = follow_in_hand(in_hand, model, *path, Link::none);
-                const auto coupled = follow_in_hand(in_hand, model, *path, Link::coupling);
-                const auto tank = follow_in_hand(in_hand, model, *path, Link::tank);
-                squares.add(alone.of_squares, ground.name);
-                of.alone.add(-alone.real, ground.name);
-                of.coupled.add(-coupled.real, ground.name);
-                if (step < 0.2e-3) {
-                    of.beyond.add(coupled.beyond, ground.name);
-                    of.own.add(coupled.own, ground.name);
-                }
-                of.off.add(std::max(alone.observed_off, coupled.observed_off), ground.name);
-                if (n % 2 == 0) {
-                    of.deeper.add(coupled.deepest / alone.deepest, ground.name);
-                    of.shallower.add(alone.deepest / coupled.deepest, ground.name);
-                }
-                of.tank.add(-tank.told, ground.name);
-                of.tank_real.add(-tank.real, ground.name);
-                updates += tank.updates;
-                shortened += tank.shortened;
-                exceeded += tank.exceeded;
-            }
-            findings.lag.add(in_hand);
-        }
+        for (InHand& of : in_hands) of.run(ground, site, effort, findings);
+    }
+    auto& [press, stroke, squares, rigid, presses, strokes, mean_stroke] = of_rigid;
+    long updates = 0, shortened = 0;
+    unsigned long long exceeded = 0;
+    for (const InHand& of : in_hands) {
+        squares.add(of.squares.value, of.squares.where);
+        updates += of.updates;
+        shortened += of.shortened;
+        exceeded += of.exceeded;
     }
     const auto share = [&](const char* what, const Worst& worst) {
         findings.rows.push_back({what, "≤ K·T·v·D + 1 %",

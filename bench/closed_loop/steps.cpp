@@ -75,16 +75,39 @@ void in_hand(Touching<T>& touching, const Path& path, Ratios& ratios) {
         sample = device.step(steps.update(sample.position, step_to(path, k), k > 100));
 }
 
+/// How a hand moves, and over what.
+struct Kind {
+    const char* name;
+    double cell, depth; // m, cells
+    bool in_hand;
+    hfh::TrackerOptions options{};
+};
+
+/// All ways over one ground, at `cells` an update.
+template <Real T>
+Ratios on_ground(const hfh::test::Terrain<T>& terrain, const Kind& kind, double cells, const Effort& effort,
+                 Findings& findings) {
+    Site<T> site{terrain, 14};
+    Touching<T> touching{terrain, stiffness,
+                         kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited,
+                         kind.options};
+    Ratios ratios;
+    for (int n = effort.counted(40); n > 0; --n) {
+        const auto path = site.wander(kind.depth * kind.cell, cells * kind.cell, kind.cell, 500);
+        if (kind.in_hand)
+            in_hand(touching, path, ratios);
+        else
+            rigid(touching, path, ratios);
+    }
+    const bool glides = kind.options.max_contact_patches < hfh::TrackerOptions{}.max_contact_patches;
+    (glides ? findings.gliding : findings.lag).add(touching);
+    return ratios;
+}
+
 } // namespace
 
 template <Real T>
 void steps(const Effort& effort, Findings& findings) {
-    struct Kind {
-        const char* name;
-        double cell, depth; // m, cells
-        bool in_hand;
-        hfh::TrackerOptions options{};
-    };
     // The Touch goes 5 cells an update at 1 m/s.
     for (const Kind kind : {Kind{"half a cell deep", 1e-3, 0.5, false}, Kind{"3 cells deep", 1e-3, 3, false},
                             Kind{"in the hand on the Touch", 0.2e-3, 15, true},
@@ -100,21 +123,7 @@ void steps(const Effort& effort, Findings& findings) {
             Findings::Detail detail{
                 text("ΔF/(k·Δhand) at %g cells an update, %s: mean, 99 %%, largest", cells, kind.name), {}};
             for (const auto& ground : all) {
-                Site<T> site{ground.terrain, 14};
-                Touching<T> touching{ground.terrain, stiffness,
-                                     kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited,
-                                     kind.options};
-                Ratios ratios;
-                for (int n = effort.counted(40); n > 0; --n) {
-                    const auto path = site.wander(kind.depth * kind.cell, cells * kind.cell, kind.cell, 500);
-                    if (kind.in_hand)
-                        in_hand(touching, path, ratios);
-                    else
-                        rigid(touching, path, ratios);
-                }
-                const bool glides =
-                    kind.options.max_contact_patches < hfh::TrackerOptions{}.max_contact_patches;
-                (glides ? findings.gliding : findings.lag).add(touching);
+                auto ratios = on_ground(ground.terrain, kind, cells, effort, findings);
                 const double here = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
                 detail.by_ground.push_back(text("%.2f, %.1f, %.0f", here, at_99, top));
                 if (here > mean) mean = here, where = ground.name;

@@ -10,9 +10,9 @@ Findings beside_heights(const Settings&) {
     for (const Stroke& stroke :
          {Stroke{"sliding", Way::sliding, 2, 0.5}, Stroke{"tapping", Way::tapping, 5, 0.5},
           Stroke{"swiping", Way::sliding, 100, 3}, Stroke{"flying", Way::flying, 5, 0}}) {
-        const auto trace = stroke_trace<double>(terrain(1), stroke, 20'000, 1'000);
+        const auto trace = stroke_trace<double>(terrain(large_hills), stroke, 20'000, 1'000);
         const std::size_t before = bytes_allocated();
-        const auto grid = terrain(1).grid<double>();
+        const auto grid = terrain(large_hills).grid<double>();
         ProxyTracker tracker{grid};
         made = std::max(made, bytes_allocated() - before);
         const std::size_t begin = allocations();
@@ -24,23 +24,13 @@ Findings beside_heights(const Settings&) {
     benchmark::DoNotOptimize(std::make_unique<int>(1));
     if (bytes_allocated() == before || allocations() == begin) throw Fault{"allocations are not counted"};
 
-    using State = TrackerState<double>;
     Findings found;
-    found.rows.push_back({"bytes stored beside the heights, without bounds",
-                          "bytes",
-                          {{"", Figure::Goal::at_most, 0, static_cast<double>(made)}},
-                          "allocated by making a grid and a tracker for 1.56 M samples",
-                          false});
-    found.rows.push_back({"allocations per update",
-                          "",
-                          {{"", Figure::Goal::at_most, 0, static_cast<double>(updating)}},
-                          "in 80,000 updates of all kinds",
-                          false});
-    found.rows.push_back({"state per stylus",
-                          "bytes",
-                          {{"", Figure::Goal::at_most, 192, static_cast<double>(sizeof(State))}},
-                          "float " + text(static_cast<double>(sizeof(TrackerState<float>))),
-                          false});
+    found.numbers = {
+        {"bytes_beside_heights", "", static_cast<double>(made)},
+        {"allocations", "", static_cast<double>(updating), {}, "in 80,000 updates of all kinds"},
+        {"state", "double", static_cast<double>(sizeof(TrackerState<double>))},
+        {"state", "float", static_cast<double>(sizeof(TrackerState<float>))},
+    };
     return found;
 }
 

@@ -2,16 +2,10 @@
 #define HFH_BENCH_GOALS_BOUNDED_HPP
 
 #include <hfh/terrain/bilinear_grid.hpp>
+#include <hfh/terrain/min_max_pyramid.hpp>
 
 #include <cstddef>
 #include <vector>
-
-// The one place of the goals that knows how the library's optional bounds are made. Without them HFH_HAS_BOUNDS is not
-// set, and the rows that need them are not measured.
-
-#if __has_include(<hfh/terrain/min_max_pyramid.hpp>)
-#include <hfh/terrain/min_max_pyramid.hpp>
-#define HFH_HAS_BOUNDS 1
 
 namespace hfh::bench {
 
@@ -40,6 +34,5 @@ private:
 static_assert(BoundedHeightField<BoundedGrid<double, HeightView<short>>>);
 
 } // namespace hfh::bench
-#endif
 
 #endif // HFH_BENCH_GOALS_BOUNDED_HPP

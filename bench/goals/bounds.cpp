@@ -6,7 +6,6 @@
 // What the optional bounds cost to have: memory, and the pass that makes them against a pass that only reads.
 
 namespace hfh::bench {
-#ifdef HFH_HAS_BOUNDS
 namespace {
 
 /// The sum of all bytes in words of eight, in four chains so that no addition waits: as fast as one core reads.
@@ -26,21 +25,16 @@ std::uint64_t read_all(const std::int16_t* samples, std::size_t count) noexcept 
 }
 
 } // namespace
-#endif
 
 Findings bounds(const Settings& settings) {
     Findings found;
-    Row bytes{"the optional bounds, memory", "bytes a sample", {{"", Figure::Goal::at_most, 0.1}}, {}, false};
-    Row build{"the optional bounds, speed of building over speed of reading memory",
-              "×",
-              {{"", Figure::Goal::at_least, 0.5}}};
-#ifdef HFH_HAS_BOUNDS
     // Larger than any cache.
     const Index side = settings.vast ? 16385 : 8193;
-    const auto ground = made_up_ground("hills", side, side);
+    const auto ground = hills_in_memory("hills", side, side);
     const auto samples = static_cast<std::size_t>(side * side);
     Bounded bounded{ground.grid<double>()};
-    bytes.figures[0].measured = static_cast<double>(bounded.bytes()) / static_cast<double>(samples);
+    found.numbers.push_back(
+        {"bounds_memory", "", static_cast<double>(bounded.bytes()) / static_cast<double>(samples)});
     const auto paces =
         race({{1, static_cast<double>(samples),
                [&](std::size_t) { benchmark::DoNotOptimize(read_all(ground.samples.get(), samples)); }},
@@ -49,9 +43,13 @@ Findings bounds(const Settings& settings) {
                    if (!bounded.build()) throw Fault{"no bounds could be built"};
                }}},
              7);
-    build.figures[0].measured = paces[0].fastest / paces[1].fastest;
-    build.beside = "reading " + text(2 / paces[0].fastest) + " GB/s, building " + text(2 / paces[1].fastest) +
-                   " GB/s, " + text(static_cast<double>(samples) / 1e6) + " M samples";
+    found.numbers.push_back({"bounds_build",
+                             "",
+                             paces[0].fastest / paces[1].fastest,
+                             {},
+                             "reading " + text(2 / paces[0].fastest) + " GB/s, building " +
+                                 text(2 / paces[1].fastest) + " GB/s, " +
+                                 text(static_cast<double>(samples) / 1e6) + " M samples"});
     // The ranges hold what they bound.
     const auto& field = bounded.field();
     const Index wide = Index{1} << field.block_bits;
@@ -68,10 +66,6 @@ Findings bounds(const Settings& settings) {
             if (range.lowest != low || range.highest != high) throw Fault{"a block's bounds are wrong"};
         }
     }
-#else
-    (void)settings;
-#endif
-    found.rows = {std::move(bytes), std::move(build)};
     return found;
 }
 

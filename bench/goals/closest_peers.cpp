@@ -40,7 +40,7 @@ struct Run {
 };
 
 Run make_run(double step) {
-    const Terrain& ground = terrain(1);
+    const Terrain& ground = terrain(large_hills);
     Run run;
     run.stylus = positions(ground, wander(ground, updates_a_stroke, step), Way::sliding, 0.5);
     const auto grid = ground.grid<double>();
@@ -51,14 +51,9 @@ Run make_run(double step) {
 }
 
 /// One peer on all three trajectories.
-Row measure(ClosestPeer* peer, const std::string& name, double wanted, const std::vector<Run>& runs) {
-    const Terrain& ground = terrain(1);
-    Row row{"the same trajectory through " + name + ", its time over ours", "×", {}};
-    std::string times, errors;
+void measure(ClosestPeer& peer, const char* goal, const std::vector<Run>& runs, Findings& into) {
+    const Terrain& ground = terrain(large_hills);
     for (std::size_t s = 0; s < std::size(steps); ++s) {
-        const std::string what = text(steps[s]) + " cells an update";
-        row.figures.push_back({what, Figure::Goal::at_least, wanted});
-        if (peer == nullptr) continue;
         const Run& run = runs[s];
         std::vector<glm::dvec3> found(run.stylus.size());
         const auto follow = [&](std::size_t slice) {
@@ -68,14 +63,11 @@ Row measure(ClosestPeer* peer, const std::string& name, double wanted, const std
             glm::dvec3 last{near(run.stylus[first].x, ground.kind.spacing.x),
                             near(run.stylus[first].y, ground.kind.spacing.y), 0};
             last.z = ground.surface(last.x, last.y);
-            peer->follow(&run.stylus[first], updates_a_slice, last, &found[first]);
+            peer.follow(&run.stylus[first], updates_a_slice, last, &found[first]);
         };
         const auto paces = race({updates(ground, run.trace),
                                  {run.trace.before.size(), static_cast<double>(updates_a_slice), follow}},
                                 12);
-        row.figures.back().measured = paces[1].fastest / paces[0].fastest;
-        times += (times.empty() ? "" : ", ") + text(paces[1].fastest) + " against " + text(paces[0].fastest);
-
         double sum = 0, largest = 0, count = 0, missed = 0;
         for (std::size_t k = 0; k < found.size(); k += 20) {
             const double distance = glm::length(found[k] - run.stylus[k]);
@@ -84,13 +76,13 @@ Row measure(ClosestPeer* peer, const std::string& name, double wanted, const std
             if (!(off < ground.cell())) missed += 1;
             sum += off, count += 1, largest = std::max(largest, off);
         }
-        errors += (errors.empty() ? "" : ", ") + text(sum / count) + " / " + text(largest) + " m";
         // Triangles are off by less than a cell; an answer that is not was not asked for rightly.
-        if (missed > 0.01 * count) throw Fault{name + " misses closest points"};
+        if (missed > 0.01 * count) throw Fault{peer.name() + " misses closest points"};
+        std::string errors = "distance off by " + text(sum / count) + " m, at most " + text(largest) + " m";
         if (missed > 0) errors += " (" + text(missed) + " of " + text(count) + " missed)";
+        const double theirs = paces[1].fastest, ours = paces[0].fastest;
+        into.numbers.push_back({goal, text(steps[s]) + " cells", theirs / ours, {theirs, ours}, errors});
     }
-    if (peer != nullptr) row.beside = times + " ns; distance off by, mean / largest: " + errors;
-    return row;
 }
 
 } // namespace
@@ -98,17 +90,17 @@ Row measure(ClosestPeer* peer, const std::string& name, double wanted, const std
 Findings closest_peers(const Settings&) {
     std::vector<Run> runs;
     for (const double step : steps) runs.push_back(make_run(step));
-    std::unique_ptr<ClosestPeer> peer;
     Findings found;
 #ifdef HFH_HAS_EMBREE
-    peer = embree_point_query(for_peers(terrain(1)));
+    measure(*embree_point_query(for_peers(terrain(large_hills))), "closest_embree", runs, found);
+#else
+    found.skipped.push_back({"closest_embree", "Embree 3 is not installed"});
 #endif
-    found.rows.push_back(measure(peer.get(), "Embree's bounded point query", 8, runs));
-    peer.reset();
 #ifdef HFH_HAS_CGAL
-    peer = cgal_aabb_tree(for_peers(terrain(1)));
+    measure(*cgal_aabb_tree(for_peers(terrain(large_hills))), "closest_cgal", runs, found);
+#else
+    found.skipped.push_back({"closest_cgal", "CGAL is not installed"});
 #endif
-    found.rows.push_back(measure(peer.get(), "CGAL's AABB tree with hint", 15, runs));
     return found;
 }
 

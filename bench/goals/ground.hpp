@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-// The ground of the goals that is not in terrain.hpp: rasters with holes, in float, and made up ones of any size.
+// The ground of the goals that is not in terrain.hpp: rasters with holes, in float, and hills of any size.
 
 namespace hfh::bench {
 
@@ -88,7 +88,7 @@ template <Sample S>
     const S missing = keys.count("NODATA") > 0 ? static_cast<S>(std::stod(keys["NODATA"]))
                                                : std::numeric_limits<S>::lowest();
     Ground<S, MissingValue<S>> ground{
-        {name, name, columns, rows, {std::stod(keys["XDIM"]), std::stod(keys["YDIM"])}, 0, 0, 0},
+        {name, name, Source::shared, columns, rows, {std::stod(keys["XDIM"]), std::stod(keys["YDIM"])}},
         {samples, samples.get()},
         {missing}};
     ground.kind.lowest = std::numeric_limits<double>::max();
@@ -102,73 +102,21 @@ template <Sample S>
     return ground;
 }
 
-/// Hills without end, made for speed: a tile of 2048 × 2048 samples with wavelengths of 256 samples down to 2, which
-/// fits its own other side, on broad ones of 16384 and 4096 samples that are interpolated over 64. One height is two
-/// loads and a few additions, and the same for the same (i, j) whatever the size of the raster.
-class Hills {
-public:
-    Hills() : tile_(side * side) {
-        for (Index j = 0; j < side; ++j) {
-            for (Index i = 0; i < side; ++i) tile_[static_cast<std::size_t>(i + j * side)] = detail_at(i, j);
-        }
-    }
-
-    /// Samples (0…columns−1, j).
-    void row(Index j, Index columns, std::int16_t* into) const {
-        const float* tile = &tile_[static_cast<std::size_t>(j % side * side)];
-        float left = broad(0, j);
-        for (Index i = 0; i < columns; i += step) {
-            const float right = broad(i + step, j);
-            const Index end = std::min(step, columns - i);
-            for (Index k = 0; k < end; ++k) {
-                const float share = static_cast<float>(k) * (1.0f / step);
-                into[i + k] = static_cast<std::int16_t>(left + (right - left) * share + tile[(i + k) % side]);
-            }
-            left = right;
-        }
-    }
-
-    static constexpr double lowest = 0, highest = 4000; ///< about
-
-private:
-    static constexpr Index side = 2048, step = 64;
-
-    /// ±470 m, with the slopes of hills at 30 m from sample to sample.
-    static float detail_at(Index i, Index j) {
-        double sum = 0, amplitude = 256;
-        for (Index wavelength = 256; wavelength >= 2; wavelength /= 2, amplitude *= 0.45) {
-            const Index period = side / wavelength;
-            const double x = static_cast<double>(i) / static_cast<double>(wavelength),
-                         y = static_cast<double>(j) / static_cast<double>(wavelength);
-            const Index a = static_cast<Index>(x), b = static_cast<Index>(y);
-            const auto at = [&](Index di, Index dj) {
-                return detail::lattice_noise(static_cast<std::uint64_t>(wavelength), (a + di) % period,
-                                             (b + dj) % period);
-            };
-            const auto ease = [](double t) { return t * t * (3 - 2 * t); };
-            const double u = ease(x - static_cast<double>(a)), v = ease(y - static_cast<double>(b));
-            sum += amplitude *
-                   ((1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1)));
-        }
-        return static_cast<float>(sum);
-    }
-    static float broad(Index i, Index j) {
-        const double x = static_cast<double>(i), y = static_cast<double>(j);
-        return static_cast<float>(2000 + 1000 * detail::smooth_noise(100, x / 16384, y / 16384) +
-                                  400 * detail::smooth_noise(101, x / 4096, y / 4096));
-    }
-
-    std::vector<float> tile_;
-};
-
-/// `columns` × `rows` samples of the hills, 30 m apart, in memory.
-[[nodiscard]] inline Ground<std::int16_t> made_up_ground(const char* name, Index columns, Index rows) {
+/// `columns` × `rows` samples of the hills, in memory.
+[[nodiscard]] inline Ground<std::int16_t> hills_in_memory(const char* name, Index columns, Index rows) {
     const std::shared_ptr<std::int16_t[]> samples{new std::int16_t[static_cast<std::size_t>(columns * rows)]};
     const Hills hills;
     for (Index j = 0; j < rows; ++j) hills.row(j, columns, samples.get() + j * columns);
-    Ground<std::int16_t> ground{{name, "", columns, rows, {30, 30}, Hills::lowest, Hills::highest, 0},
+    Ground<std::int16_t> ground{{name,
+                                 "",
+                                 Source::generated,
+                                 columns,
+                                 rows,
+                                 {Hills::spacing, Hills::spacing},
+                                 Hills::lowest,
+                                 Hills::highest},
                                 {samples, samples.get()}};
-    ground.steepest = 10; // no more than that, at 30 m: the octaves' slopes add to less
+    ground.steepest = Hills::steepest;
     return ground;
 }
 

@@ -1,22 +1,18 @@
 #include "../machine.hpp"
-#include "record.hpp"
+#include "goal.hpp"
+#include "json_line.hpp"
 #include "self_check.hpp"
 
 #include <cstdio>
 #include <cstring>
-#include <ctime>
-#include <fstream>
 #include <iterator>
 
-// The goals, each beside its reference: hfh_goals [--vast] [--only PART] [--record DIRECTORY].
+// Measures what has a goal: hfh_goals [--vast] [--only PART]. Writes JSON lines: the machine, then one line a number, a
+// workload or something skipped. bench.py runs it and compares.
 //
 // --vast measures what needs gigabytes as well: 16385² samples, and a file of 32768² in the build tree.
-// --record writes goals.json and goals.md into DIRECTORY, and judges by the goals.json that lies there: a number that was
-// met once is held, and it is lost if it is missed by more than the slack in each of three attempts. It stays held then.
-// Who gives a goal up sets its "held" to false in that file. Rows that are not measured in this run keep what an earlier
-// run on the same machine measured.
 //
-// Ends with 1 if an answer is wrong (and records nothing then), an update took 1 ms, or a held goal is lost.
+// Ends with 1 if an answer is wrong or an update took 1 ms.
 
 namespace {
 
@@ -32,41 +28,32 @@ constexpr Part parts[] = {
     {"scalars", scalars}, {"beside", beside_heights}, {"compile", compile_time},
 };
 
-constexpr int attempts = 3;
-
-bool any_lost(const std::vector<Row>& rows) {
-    for (const auto& row : rows) {
-        for (const auto& f : row.figures) {
-            if (f.lost(slack(row))) return true;
-        }
+void print(const Findings& found) {
+    for (const auto& m : found.numbers) {
+        JsonLine line;
+        line.add("goal", m.goal).add("figure", m.figure).add("value", m.value);
+        if (!m.times.empty()) line.add("times_ns", m.times);
+        if (!m.note.empty()) line.add("note", m.note);
+        line.print();
     }
-    return false;
-}
-
-/// Measures once, and again where a held number is missed: what the system did to one attempt is not in all of them.
-Findings measure(const Part& part, const Settings& settings, const Record& before) {
-    Findings found = part.measure(settings);
-    hold(found.rows, before);
-    for (int attempt = 1; attempt < attempts && any_lost(found.rows); ++attempt) {
-        Findings again = part.measure(settings);
-        hold(again.rows, before);
-        for (std::size_t r = 0; r < found.rows.size(); ++r) {
-            if (again.rows[r].quality() > found.rows[r].quality()) found.rows[r] = std::move(again.rows[r]);
-        }
-        for (auto& update : again.too_slow) found.too_slow.push_back(std::move(update));
+    for (const auto& w : found.workloads) {
+        JsonLine{}
+            .add("workload", w.name)
+            .add("ground", w.ground)
+            .add("source", w.source)
+            .add("cells", w.cells)
+            .add("mean_ns", w.mean_ns)
+            .add("worst_ns", w.worst_ns)
+            .print();
     }
-    return found;
-}
-
-std::string today() {
-    const std::time_t now = std::time(nullptr);
-    char date[20];
-    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
-    return date;
+    for (const auto& s : found.skipped) {
+        JsonLine{}.add("skipped", s.what).add("why", s.why).print();
+    }
+    std::fflush(stdout);
 }
 
 int usage() {
-    std::fputs("hfh_goals [--vast] [--only PART | --record DIRECTORY]; parts:", stderr);
+    std::fputs("hfh_goals [--vast] [--only PART]; parts:", stderr);
     for (const auto& part : parts) std::fprintf(stderr, " %s", part.name);
     std::fputs("\n", stderr);
     return 2;
@@ -79,70 +66,38 @@ int main(int argc, char** argv) {
                       .compiler = HFH_COMPILER,
                       .include = HFH_SOURCE_DIR "/include",
                       .glm_include = HFH_GLM_INCLUDE};
-    std::string into, only;
+    std::string only;
     for (int k = 1; k < argc; ++k) {
         if (std::strcmp(argv[k], "--vast") == 0) {
             settings.vast = true;
-        } else if (std::strcmp(argv[k], "--record") == 0 && k + 1 < argc) {
-            into = argv[++k];
         } else if (std::strcmp(argv[k], "--only") == 0 && k + 1 < argc) {
             only = argv[++k];
         } else {
             return usage();
         }
     }
-    if (!into.empty() && !only.empty()) return usage();
 
-    const Machine machine{cpu_name(), compiler_name, HFH_BENCH_FLAGS};
-    const Record before = into.empty() ? Record{} : read_record(into + "/goals.json");
-    Findings all;
+    JsonLine{}
+        .add("cpu", cpu_name())
+        .add("last_cache", last_cache())
+        .add("compiler", std::string{compiler_name})
+        .add("flags", std::string{HFH_BENCH_FLAGS})
+        .print();
+    bool ran = false, slow = false;
     try {
         check_the_checks();
         for (const auto& part : parts) {
             if (!only.empty() && only != part.name) continue;
-            const std::time_t begin = std::time(nullptr);
-            Findings found = measure(part, settings, before);
-            for (auto& row : found.rows) {
-                for (const auto& f : row.figures) {
-                    if (f.measured) row.date = today();
-                }
-                print(row);
-                all.rows.push_back(std::move(row));
-            }
-            for (auto& w : found.workloads) all.workloads.push_back(std::move(w));
-            for (auto& update : found.too_slow) all.too_slow.push_back(std::move(update));
-            std::printf("  (%s: %ld s)\n", part.name, static_cast<long>(std::time(nullptr) - begin));
-            std::fflush(stdout);
+            const Findings found = part.measure(settings);
+            print(found);
+            for (const auto& update : found.too_slow) std::fprintf(stderr, "%s\n", update.c_str());
+            slow = slow || !found.too_slow.empty();
+            ran = true;
         }
     } catch (const std::exception& fault) {
         std::fprintf(stderr, "%s\n", fault.what());
         return 1;
     }
-    if (all.rows.empty()) return usage();
-
-    bool good = all.too_slow.empty();
-    for (const auto& update : all.too_slow) std::fprintf(stderr, "%s\n", update.c_str());
-    for (const auto& row : all.rows) {
-        for (const auto& f : row.figures) {
-            if (!f.lost(slack(row))) continue;
-            good = false;
-            std::fprintf(stderr, "no longer met: %s%s%s\n", row.name.c_str(), f.what.empty() ? "" : ": ",
-                         f.what.c_str());
-        }
-    }
-    if (into.empty()) return good ? 0 : 1;
-
-    take_over(all, before, machine);
-    std::ofstream json{into + "/goals.json"}, table{into + "/goals.md"};
-    write_json(json, machine, all);
-    write_markdown(table, machine, all);
-    table.close();
-    json.close();
-    if (!json || !table) {
-        std::fprintf(stderr, "cannot write goals.json and goals.md into %s\n", into.c_str());
-        return 1;
-    }
-    std::ifstream written{into + "/goals.md"};
-    std::printf("\n%s\n", std::string{std::istreambuf_iterator<char>{written}, {}}.c_str());
-    return good ? 0 : 1;
+    if (!ran) return usage();
+    return slow ? 1 : 0;
 }

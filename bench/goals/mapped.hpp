@@ -57,9 +57,16 @@ namespace hfh::bench {
     close(file);
     if (memory == MAP_FAILED) throw std::runtime_error{"cannot map " + path};
     const auto* samples = static_cast<const std::int16_t*>(memory);
-    Ground<std::int16_t> ground{{"hills, mapped", "", side, side, {30, 30}, Hills::lowest, Hills::highest, 0},
+    Ground<std::int16_t> ground{{"hills, mapped",
+                                 "",
+                                 Source::generated,
+                                 side,
+                                 side,
+                                 {Hills::spacing, Hills::spacing},
+                                 Hills::lowest,
+                                 Hills::highest},
                                 {samples, [memory, bytes](const std::int16_t*) { munmap(memory, bytes); }}};
-    ground.steepest = 10;
+    ground.steepest = Hills::steepest;
     return ground;
 }
 

@@ -31,7 +31,7 @@ void must_fail(const char* what, Action&& action) {
 } // namespace
 
 void check_the_checks() {
-    const Elsewhere hills{made_up_ground("hills", 129, 129)};
+    const Elsewhere hills{hills_in_memory("hills", 129, 129)};
     const double little = 1e-6 * hills.cell();
 
     const auto trace = stroke_trace<double>(hills, {"", Way::sliding, 0.5, 0.5}, 1'000, 100);

@@ -79,12 +79,32 @@ template <Real T, class G>
 /// Updates by how they ended.
 struct Endings {
     double updates = 0, contacts = 0, left_at_hole = 0, limits = 0;
+    double dropped =
+        0; ///< in contact before, and not now, though the surface is over the stylus and has no rim there
 
     void add(const Endings& more) {
         updates += more.updates, contacts += more.contacts;
-        left_at_hole += more.left_at_hole, limits += more.limits;
+        left_at_hole += more.left_at_hole, limits += more.limits, dropped += more.dropped;
     }
 };
+
+/// Whether the surface is nowhere nearer, by more than slopes of rounding, a hundred-thousandth of a cell aside of the proxy.
+/// Beyond an edge that is nearer than that another minimum may begin: there it takes the contact's word.
+template <class G>
+[[nodiscard]] bool is_local_minimum(const G& ground, const Contact<double>& contact,
+                                    const glm::dvec3& stylus) {
+    const auto clear = [](double u) { return u == 0 || u == 1 || (u > 2e-5 && u < 1 - 2e-5); };
+    if (!clear(contact.point.u) || !clear(contact.point.v)) return true;
+    const double distance = glm::length(contact.proxy - stylus), aside = 1e-5 * ground.cell();
+    for (int turn = 0; turn < 8; ++turn) {
+        const double angle = 0.785398163397448 * turn;
+        const double x = contact.proxy.x + aside * std::cos(angle),
+                     y = contact.proxy.y + aside * std::sin(angle);
+        if (glm::length(glm::dvec3{x, y, ground.surface(x, y)} - stylus) < distance - 1e-3 * aside)
+            return false;
+    }
+    return true;
+}
 
 /// Looks at every answer from outside; throws a Fault where one is wrong.
 template <Real T, class G>
@@ -118,23 +138,16 @@ Endings check_trace(const G& ground, const Trace<T>& trace, const std::string& w
             if (was_touching) {
                 check(distance <= glm::length(last - stylus) + tolerance, "the proxy went away");
             }
-            // A local minimum: a hundred-thousandth of a cell aside the surface is nowhere nearer than slopes of
-            // rounding. (Beyond an edge that is nearer than that another minimum may begin.)
-            const auto clear = [](T u) { return u == 0 || u == 1 || (u > T(2e-5) && u < T(1 - 2e-5)); };
-            if (std::is_same_v<T, double> && k % 16 == 0 && contact.status == ContactStatus::contact &&
-                clear(contact.point.u) && clear(contact.point.v)) {
-                for (int turn = 0; turn < 8; ++turn) {
-                    const double angle = 0.785398163397448 * turn, aside = 1e-5 * ground.cell();
-                    const double x = proxy.x + aside * std::cos(angle), y = proxy.y + aside * std::sin(angle);
-                    const double there = glm::length(glm::dvec3{x, y, ground.surface(x, y)} - stylus);
-                    check(!(there < distance - 1e-3 * aside), "not a local closest point");
-                }
+            if constexpr (std::is_same_v<T, double>) {
+                if (k % 16 == 0 && contact.status == ContactStatus::contact)
+                    check(is_local_minimum(ground, contact, stylus), "not a local closest point");
             }
         } else {
             endings.left_at_hole += contact.status == ContactStatus::left_at_hole ? 1 : 0;
             endings.limits += contact.status == ContactStatus::sweep_limit ? 1 : 0;
             const bool below = stylus.z < ground.surface(stylus.x, stylus.y) - tolerance;
             check(contact.status != ContactStatus::free || !below, "free below the surface");
+            endings.dropped += was_touching && below && contact.status != ContactStatus::left_at_hole ? 1 : 0;
             check(proxy == stylus, "free, and the proxy is not at the stylus");
         }
         last = proxy;

@@ -81,8 +81,8 @@ void measure(const G& ground, Findings& found, bool has_holes = false) {
         const auto pace = race({updates(ground, trace)}, 5);
         const auto times = time_by_replay(grid, trace, 9);
         found.note_update(times.worst, what);
-        found.workloads.push_back(
-            {name, ground.kind.name, cells, pace[0].fastest, times.worst - clock_cost()});
+        found.workloads.push_back({name, ground.kind.name, to_string(ground.kind.source), cells,
+                                   pace[0].fastest, times.worst - clock_cost()});
     };
     enter("coherent sliding, steps 0.1 to 3, 0.01 to 5 deep", coherent(ground));
     enter("random first contacts, half a cell deep", anywhere(ground, 10'000));
@@ -96,56 +96,46 @@ void measure(const G& ground, Findings& found, bool has_holes = false) {
 
 Findings vast(const Settings& settings) {
     Findings found;
-    for (std::size_t t = 0; t < 3; ++t) measure(terrain(t), found);
+    for (const auto& kind : terrains_of_a_clone) measure(terrain(kind), found);
+    measure(hills_in_memory("hills", 4097, 4097), found);
+    for (const auto& kind : shared_terrains) {
+        if (is_there(kind)) measure(terrain(kind), found);
+    }
     if (const auto holes = real_ground<std::int16_t>("swissalps_voids")) measure(*holes, found, true);
     if (const auto holes = real_ground<float>("mshelens_crater")) measure(*holes, found, true);
-    measure(made_up_ground("hills", 4097, 4097), found);
 
-    Row mean{
-        "mean sliding cost, 0.1 / 0.5 / 2 cells an update, 1.07 G samples mapped from a file over 0.28 M, "
-        "always on new ground",
-        "×",
-        {}};
-    constexpr double steps[] = {0.1, 0.5, 2};
-    for (const double step : steps) {
-        mean.figures.push_back({text(step) + " cells an update", Figure::Goal::at_most, 1.3});
-    }
-    Row small_sweep{"longest possible sweep, corner to corner, 1.56 M cells, no bounds",
-                    "ms",
-                    {{"", Figure::Goal::below, 1}}};
-    Row vast_sweep{"longest possible sweep, corner to corner, 1.07 G samples, with bounds",
-                   "ms",
-                   {{"", Figure::Goal::below, 1}}};
     std::string where;
-    small_sweep.figures[0].measured = longest_sweep(terrain(1), terrain(1).grid<double>(), where) / 1e6;
-    small_sweep.beside = where;
-    found.note_update(1e6 * *small_sweep.figures[0].measured, small_sweep.name);
+    const auto sweep = [&](const char* figure, const auto& ground, const auto& field) {
+        const double ns = longest_sweep(ground, field, where);
+        found.note_update(ns, std::string{"longest sweep, "} + figure);
+        found.numbers.push_back({"sweep", figure, ns / 1e3, {}, where});
+    };
+    sweep("1.56 M cells, no bounds", terrain(large_hills), terrain(large_hills).grid<double>());
 
-    if (settings.vast && available_memory() < 4e9) {
-        std::fputs("less than 4 GB of memory are free: the rows of a billion samples are left out\n", stderr);
-    } else if (settings.vast) {
-        measure(made_up_ground("hills", 16385, 16385), found);
-        const auto vast = mapped_hills(settings.scratch, 32768);
-        measure(vast, found);
-        const auto small = made_up_ground("hills", 541, 511);
-        for (std::size_t s = 0; s < std::size(steps); ++s) {
-            const auto there = far_flung(vast, steps[s]), here = far_flung(small, steps[s]);
-            check_trace(vast, there, "sliding on a billion samples");
-            check_trace(small, here, "sliding on the same hills, small");
-            const auto paces = race({updates(small, here), updates(vast, there)}, 7);
-            mean.figures[s].measured = paces[1].median / paces[0].median;
-            mean.beside += (s > 0 ? ", " : "") + text(paces[1].median) + " against " + text(paces[0].median);
-        }
-        mean.beside += " ns";
-#ifdef HFH_HAS_BOUNDS
-        Bounded bounded{vast.grid<double>()};
-        if (!bounded.build()) throw Fault{"no bounds could be built"};
-        vast_sweep.figures[0].measured = longest_sweep(vast, bounded.field(), where) / 1e6;
-        vast_sweep.beside = where;
-        found.note_update(1e6 * *vast_sweep.figures[0].measured, vast_sweep.name);
-#endif
+    const char* const vast_goal = "size";
+    if (!settings.vast) {
+        found.skipped.push_back({vast_goal, "it takes 4 GB of memory: target bench_full"});
+        return found;
     }
-    for (auto* row : {&mean, &small_sweep, &vast_sweep}) found.rows.push_back(std::move(*row));
+    if (available_memory() < 4e9) {
+        found.skipped.push_back({vast_goal, "less than 4 GB of memory are free"});
+        return found;
+    }
+    measure(hills_in_memory("hills", 16385, 16385), found);
+    const auto vast = mapped_hills(settings.scratch, 32768);
+    measure(vast, found);
+    const auto& small = terrain(small_hills);
+    for (const double step : {0.1, 0.5, 2.0}) {
+        const auto there = far_flung(vast, step), here = far_flung(small, step);
+        check_trace(vast, there, "sliding on a billion samples");
+        check_trace(small, here, "sliding on the same hills, small");
+        const auto paces = race({updates(small, here), updates(vast, there)}, 7);
+        const double at_home = paces[0].median, far_out = paces[1].median;
+        found.numbers.push_back({vast_goal, text(step) + " cells", far_out / at_home, {at_home, far_out}});
+    }
+    Bounded bounded{vast.grid<double>()};
+    if (!bounded.build()) throw Fault{"no bounds could be built"};
+    sweep("1.07 G samples, with bounds", vast, bounded.field());
     return found;
 }
 

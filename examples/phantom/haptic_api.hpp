@@ -14,7 +14,8 @@ enum class ErrorKind : unsigned char {
     force, ///< 0x201 to 0x204: too much force, impulse or velocity: the force goes to zero, the run goes on
     warm,  ///< 0x200: the motors are warm: no force until they have cooled, the run goes on
     device_fault, ///< 0x300: the device has switched itself off; the driver brings it back: no force, the run goes on
-    other,        ///< frames, timer, scheduler, handles: the run is over
+    scheduling, ///< a callback could not be scheduled: that of a device that begins, whichever the error names
+    other,      ///< frames, timer, handles: the run is over
     communication ///< the cable, the network: the run is over
 };
 

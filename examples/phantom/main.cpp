@@ -3,6 +3,7 @@
 
 #include "openhaptics.hpp"
 #include "phantom_device.hpp"
+#include "reconnect.hpp"
 #include "scene.hpp"
 
 #include <hfh/terrain/extended_field.hpp>
@@ -132,19 +133,19 @@ int main(int argc, char** argv) {
     }
     const Hills grid{hfh::HeightView{heights.data(), size, size}, {.spacing = {spacing, spacing}}};
 
-    // A connection that broke is opened anew until the time is over.
-    auto end = hfh::DeviceEnd::not_available;
-    do {
+    const auto attempt = [&] {
         Device device{argc > 2 ? argv[2] : nullptr};
-        if (device.is_open()) {
-            std::printf("up to %.1f N, %.1f N for ever, %.0f N/m, %.3f mm\n", device.capabilities().max_force,
-                        device.continuous_force(), device.capabilities().max_stiffness,
-                        1000 * device.capabilities().resolution);
-            end = touch(device, grid, until);
-        } else {
+        if (!device.is_open()) {
             say_not_open(device.report());
+            return hfh::DeviceEnd::not_available;
         }
-        if (end == hfh::DeviceEnd::lost) std::this_thread::sleep_for(std::chrono::milliseconds{500});
-    } while (end == hfh::DeviceEnd::lost && clock.now() < until && !is_asked_to_end.load());
+        std::printf("up to %.1f N, %.1f N for ever, %.0f N/m, %.3f mm\n", device.capabilities().max_force,
+                    device.continuous_force(), device.capabilities().max_stiffness,
+                    1000 * device.capabilities().resolution);
+        return touch(device, grid, until);
+    };
+    const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds{500}); };
+    const auto goes_on = [&] { return clock.now() < until && !is_asked_to_end.load(); };
+    const hfh::DeviceEnd end = phantom::run_and_reconnect(attempt, wait, goes_on);
     return end == hfh::DeviceEnd::stopped ? 0 : 1;
 }

@@ -30,6 +30,8 @@ struct OpenHaptics {
         case HD_EXCEEDED_MAX_VELOCITY:
         case HD_FORCE_ERROR: return ErrorKind::force;
         case HD_DEVICE_FAULT: return ErrorKind::device_fault;
+        case HD_INVALID_PRIORITY:
+        case HD_SCHEDULER_FULL: return ErrorKind::scheduling;
         case HD_COMM_ERROR:
         case HD_COMM_CONFIG_ERROR: return ErrorKind::communication;
         default: return ErrorKind::other;

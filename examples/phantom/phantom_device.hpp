@@ -83,14 +83,17 @@ struct Report {
 /// Threads. `run` blocks; the tick is called from the driver's thread. From the start of the scheduler to its stop that
 /// thread alone takes errors and writes the report. `stop` may be called from any thread and from a signal handler,
 /// `report` from one thread at a time. Two devices: open both, then run each in a thread of its own; they share the
-/// scheduler, and each gets its own errors. A device that is opened while another runs is not opened.
+/// scheduler, and each gets its own errors. A device that is opened while another runs is not opened. One that is
+/// destroyed or lost while another runs leaves the other alone: its force is zero from the other's next update on.
 ///
 /// Errors. In an update that follows one the force is zero and the sample says `force_refused`:
 /// - force (0x201–0x204): while it comes; `max_force_errors` in a row end the run as `force_fault`;
 /// - warm motors (0x200): until they have cooled;
 /// - device fault (0x300): while it comes; the driver recovers by itself. A device that never does is one whose run goes
 ///   on without force, and `report().withheld` says so.
-/// Any other error ends the run, as `lost` or `fault`, after one more update without tick and force.
+/// Where the callback cannot be scheduled, or the motors cannot be switched on, the run does not begin: `not_available`,
+/// and a device that runs meanwhile goes on. Any other error ends the run, as `lost` or `fault`, after one more update
+/// without tick and force.
 ///
 /// Calibration. The position jumps when the device is calibrated, so the force has to be zero by then. From the update in
 /// which the device asks for it the tick is told by `release` to take the force back; whatever the tick does, the force is
@@ -115,16 +118,17 @@ public:
         if (is_open_) {
             ask_abilities();
         } else {
-            if (place_ != Shared::none) Shared::leave(place_);
-            if (api_.valid(handle_)) api_.close(handle_);
+            if (place_ != Shared::none)
+                Shared::leave(api_, place_);
+            else if (api_.valid(handle_))
+                api_.close(handle_);
         }
     }
-    /// Not while it runs.
+    /// Not while it runs. While another runs the device is closed only when that has stopped.
     ~PhantomDevice() {
         if (!is_open_) return;
         const auto lock = Shared::lock();
-        Shared::leave(place_);
-        api_.close(handle_);
+        Shared::leave(api_, place_);
     }
     PhantomDevice(const PhantomDevice&) = delete;
     PhantomDevice& operator=(const PhantomDevice&) = delete;
@@ -150,15 +154,15 @@ public:
         using hfh::DeviceEnd;
         if (!is_open_) return DeviceEnd::not_available;
         if (stop_.exchange(false, std::memory_order_relaxed)) return DeviceEnd::stopped;
-        begin(tick);
-
-        std::optional<typename Api::Schedule> schedule;
         bool started = true;
         {
             const auto lock = Shared::lock();
+            // An earlier run was lost while another device went on, and its callback may still come.
+            if (Shared::is_scheduled(place_)) return DeviceEnd::not_available;
+            begin(tick);
             const bool is_first = Shared::begin(api_);
-            started = !is_first || !failed();
-            if (started) schedule = api_.schedule(callback_);
+            started = !note(Shared::motors(place_));
+            if (started) Shared::schedule(api_, place_, callback_);
             if (started && is_first) {
                 started = !failed();
                 if (started) api_.start(); // from here to the end the callback alone takes errors
@@ -167,15 +171,17 @@ public:
         const DeviceEnd end = started ? wait() : DeviceEnd::not_available;
         {
             const auto lock = Shared::lock();
-            closed_.store(true);
-            // Where no callback came nobody has taken the error that tells why, and stopping may add one of its own.
-            if (end == DeviceEnd::not_available && Shared::is_alone() && !busy_.load()) (void)failed();
-            Shared::end(api_);
-            // A callback that has said that it is done is off the schedule already. While another device runs, whose
-            // callback takes the errors, taking it off again would be one.
-            if (schedule && (!done_.load() || !Shared::is_running())) api_.unschedule(*schedule);
-            while (busy_.load()) clock_.wait(); // where others go on, nothing else waits for a late callback
-            if (!Shared::is_running()) Shared::discard_errors(api_);
+            Shared::hold_off(place_);
+            // Where others go on, nothing else waits for a late callback.
+            while (!Shared::is_alone() && Shared::is_busy(place_)) clock_.wait();
+            if (end == DeviceEnd::not_available && !Shared::is_busy(place_)) {
+                // Where no callback came nobody has taken the error that tells why, and stopping may add one of its own.
+                if (Shared::is_alone())
+                    (void)failed();
+                else
+                    (void)has_failed_to_schedule();
+            }
+            Shared::end(api_, place_, done_.load());
         }
         stop_.store(false, std::memory_order_relaxed);
         return end;
@@ -206,15 +212,19 @@ private:
         Shared::discard_errors(api_); // a driver that does not know one of them has said so
     }
 
-    /// While none runs: whether there was an error, and notes it.
+    /// While no other runs: whether there was an error, and notes it.
     bool failed() {
-        ApiError error;
-        if (place_ == Shared::none) {
-            error = Shared::discard_errors(api_);
-        } else {
-            Shared::collect_errors(api_);
-            error = Shared::take_error(place_);
-        }
+        if (place_ == Shared::none) return note(Shared::discard_errors(api_));
+        Shared::collect_errors(api_);
+        const bool was_not_scheduled = has_failed_to_schedule();
+        return note(Shared::take_error(place_)) || was_not_scheduled;
+    }
+    bool has_failed_to_schedule() {
+        const unsigned code = Shared::take_scheduling_error(place_);
+        return code != 0 && note({ErrorKind::scheduling, code});
+    }
+    /// Whether it is an error.
+    bool note(const ApiError& error) {
         if (error.kind == ErrorKind::none) return false;
         report_.last_error = error.code;
         published_.put(report_);
@@ -230,19 +240,14 @@ private:
         trust_ = Trust::good;
         sent_ = glm::dvec3{0.0};
         done_.store(false, std::memory_order_relaxed);
-        closed_.store(false, std::memory_order_relaxed);
         updates_.store(0, std::memory_order_relaxed);
         tick_ = const_cast<void*>(static_cast<const void*>(&tick));
         update_ = [](PhantomDevice& device, void* user) noexcept {
             return device.update(*static_cast<Tick*>(user));
         };
         callback_ = {[](void* user) noexcept {
-                         // Of two flags, each set before the other is read, one side sees the other's.
                          auto& device = *static_cast<PhantomDevice*>(user);
-                         device.busy_.store(true);
-                         const bool go_on = !device.closed_.load() && device.update_(device, device.tick_);
-                         device.busy_.store(false);
-                         return go_on;
+                         return device.update_(device, device.tick_);
                      },
                      this};
     }
@@ -269,6 +274,8 @@ private:
     bool update(Tick& tick) noexcept {
         const double now = clock_.now();
         const double passed = measure(now);
+        if (report_.updates == 1) Shared::has_started(place_);
+        Shared::zero_left(api_);
         if (is_closing_) return close();
 
         Shared::make_current(api_, handle_);
@@ -364,13 +371,8 @@ private:
         if (!knows) return;
         told = read();
         if (has_asked_) return;
-        const ApiError error = api_.error();
-        if (error.kind == ErrorKind::other) {
-            knows = false;
-            told.reset();
-        } else if (error.kind != ErrorKind::none) {
-            Shared::put_down(error);
-        }
+        knows = !Shared::collect_refusal(api_);
+        if (!knows) told.reset();
     }
 
     /// Follows what the device wants of calibration. True in the one update in which the position is good again.
@@ -454,7 +456,7 @@ private:
     double sent_at_ = 0;   ///< s: the time of the update in which they did
 
     hfh::DeviceEnd end_ = hfh::DeviceEnd::stopped; ///< written before `done_`, read after it
-    std::atomic<bool> done_{false}, stop_{false}, busy_{false}, closed_{false};
+    std::atomic<bool> done_{false}, stop_{false};
     std::atomic<unsigned long> updates_{0};
     hfh::TripleBuffer<Report> published_{};
 };

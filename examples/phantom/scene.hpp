@@ -51,8 +51,8 @@ struct Bounds {
     double margin = 0.005;     ///< m from the edge of the device's workspace that count as there
 };
 
-/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. Where a ridge lets go
-/// of the proxy far from the stylus it glides, so that no update takes long.
+/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. A proxy that a
+/// ridge releases far from the stylus glides there over several updates, so that none takes long.
 template <hfh::HeightField Field>
 class Scene {
 public:
@@ -91,9 +91,9 @@ private:
                                  hfh::ContactStatus contact) const noexcept {
         using hfh::ContactStatus;
         const hfh::CellRange& map = bounds_.map;
-        const double u = lattice_.u_of(stylus.x, map.first.i), v = lattice_.v_of(stylus.y, map.first.j);
-        const bool is_on_map = u >= 0 && u <= static_cast<double>(map.last.i - map.first.i) && v >= 0 &&
-                               v <= static_cast<double>(map.last.j - map.first.j);
+        const double u = lattice_.u_of(stylus.x, map.begin.i), v = lattice_.v_of(stylus.y, map.begin.j);
+        const bool is_on_map = u >= 0 && u <= static_cast<double>(map.end.i - map.begin.i) && v >= 0 &&
+                               v <= static_cast<double>(map.end.j - map.begin.j);
         if (contact == ContactStatus::buried) return Place::below_ground;
         if (!is_on_map) return Place::beyond_map;
         if (contact == ContactStatus::off_surface || contact == ContactStatus::left_at_hole)

@@ -14,7 +14,7 @@ namespace {
 constexpr double longest = 86400; // s
 constexpr double lifting = 0.1;   // m/s of the hand, out of the ground and back to the path
 
-/// The device's limits, for one that is never late, and for a terrain that may be stiffer than it can be.
+/// The device's limits, for one whose samples are never late, and for a terrain that may be stiffer than it can be.
 hfh::GuardLimits limits_of(const hfh::DeviceCapabilities& device, double stiffness) noexcept {
     hfh::GuardLimits limits = hfh::guard_limits(device);
     limits.max_gap = 3 * limits.period;

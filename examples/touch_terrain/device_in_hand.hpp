@@ -25,7 +25,7 @@ namespace demo {
 /// the forces, which go through a guard, as they have to where the motors are real. (A real device may refuse a force as
 /// well and say so, which the tracker has to hear of: examples/phantom/scene.hpp.)
 ///
-/// A hand that the ground let go of at a hole may come below the surface behind it, where it feels nothing. It moves up
+/// A hand that lost contact at a hole may come below the surface behind it, where it feels nothing. It moves up
 /// there until it is out, as a person would, and lands again.
 class DeviceInHand {
 public:

@@ -1,13 +1,15 @@
 #include "bad_input.hpp"
+#include "gdal_dataset.hpp"
 #include "map_units.hpp"
+#include "no_data.hpp"
 #include "numbers.hpp"
 #include "packed_heights.hpp"
 #include "terrain.hpp"
 #include "units.hpp"
 
+#include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
-#include <gdal.h>
 #include <ogr_srs_api.h>
 
 #include <algorithm>
@@ -21,18 +23,6 @@
 
 namespace demo {
 namespace {
-
-struct Closer {
-    void operator()(GDALDatasetH dataset) const noexcept { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, Closer>;
-
-Dataset open(const std::string& name) {
-    GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-    return Dataset{GDALOpenEx(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr)};
-}
 
 /// GDAL's last complaint, for the end of a sentence.
 std::string complaint() {
@@ -64,7 +54,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 /// The raster that `name` means. A file of one raster under a longer name is that raster; one of several is refused.
 Dataset open_one(const std::string& name, std::vector<std::string>& assumed) {
-    Dataset dataset = open(name);
+    Dataset dataset = open_with_gdal(name);
     if (!dataset) throw BadInput{name + " is not a terrain file that can be read" + complaint()};
     const std::vector<std::string> inside = subdatasets_of(dataset.get());
     if (GDALGetRasterCount(dataset.get()) > 0) {
@@ -79,7 +69,7 @@ Dataset open_one(const std::string& name, std::vector<std::string>& assumed) {
             name + " holds " + std::to_string(inside.size()) +
             " rasters, of which a terrain is one; take one of these names for it: " + listed(inside) + "."};
     }
-    Dataset only = open(inside.front());
+    Dataset only = open_with_gdal(inside.front());
     if (!only || GDALGetRasterCount(only.get()) == 0)
         throw BadInput{inside.front() + " is not a terrain that can be read" + complaint()};
     return only;
@@ -163,16 +153,82 @@ std::shared_ptr<std::vector<S>> room_for(const std::string& name, int columns, i
                                             static_cast<std::size_t>(rows));
 }
 
+/// True if a line of the text file `name` begins with `key`, in small letters.
+bool has_key(const std::string& name, std::string_view key) {
+    bool has_one = false;
+    char** const lines = CSLLoad2(name.c_str(), 10'000, 1000, nullptr);
+    for (int k = 0; k < CSLCount(lines); ++k) {
+        const std::string line = lower(lines[k]);
+        const auto text = trimmed(line);
+        has_one = has_one || text.substr(0, text.find_first_of(" \t")) == key;
+    }
+    CSLDestroy(lines);
+    return has_one;
+}
+
+/// True if the bytes of a band have a sign. No type of GDAL's own says so before its version 3.7; and the bytes of an ESRI
+/// raster without PIXELTYPE have none in GDAL, whatever NODATA is, but see read_raster_header.
+bool has_signed_bytes(GDALRasterBandH band, std::vector<std::string>& assumed) {
+    if (GDALGetRasterDataType(band) != GDT_Byte) return false;
+    const char* const pixel_type = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+    if (pixel_type != nullptr) return std::string_view{pixel_type} == "SIGNEDBYTE";
+
+    const GDALDatasetH dataset = GDALGetBandDataset(band);
+    const GDALDriverH driver = dataset == nullptr ? nullptr : GDALGetDatasetDriver(dataset);
+    int has_one = 0;
+    const double no_data = GDALGetRasterNoDataValue(band, &has_one);
+    if (driver == nullptr || std::string_view{GDALGetDriverShortName(driver)} != "EHdr" || has_one == 0 ||
+        !(no_data < 0))
+        return false;
+    for (const std::string& file : files_of(dataset)) {
+        if (lower(CPLGetExtension(file.c_str())) != "hdr") continue;
+        if (has_key(file, "pixeltype")) return false;
+        assumed.push_back(sign_assumed(CPLGetFilename(file.c_str()), rounded(no_data, 12)));
+        return true;
+    }
+    return false;
+}
+
+/// True if a sample of `type` can be `value`.
+bool can_be(double value, GDALDataType type, bool signed_bytes) {
+    switch (type) {
+    case GDT_Byte:
+        return signed_bytes ? as_sample<std::int8_t>(value).has_value()
+                            : as_sample<std::uint8_t>(value).has_value();
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 7, 0)
+    case GDT_Int8: return as_sample<std::int8_t>(value).has_value();
+#endif
+    case GDT_UInt16: return as_sample<std::uint16_t>(value).has_value();
+    case GDT_Int16: return as_sample<std::int16_t>(value).has_value();
+    case GDT_UInt32: return as_sample<std::uint32_t>(value).has_value();
+    case GDT_Int32: return as_sample<std::int32_t>(value).has_value();
+    case GDT_Float32: return as_sample<float>(value).has_value();
+    default: return true;
+    }
+}
+
 /// What GDAL knows about the holes of a band: its mask, in which a "no data" value counts as GDAL has it (a float that was
 /// written in too few digits is still that float), and that value itself where a mask of its own hides it.
 class Holes {
 public:
-    explicit Holes(GDALRasterBandH band, int columns) : band_{band}, row_(static_cast<std::size_t>(columns)) {
+    /// A "no data" value that no sample can be goes to `assumed`.
+    Holes(GDALRasterBandH band, bool signed_bytes, const std::string& name, std::vector<std::string>& assumed)
+        : band_{band}, row_(static_cast<std::size_t>(GDALGetRasterBandXSize(band))) {
+        const GDALDataType type = GDALGetRasterDataType(band);
         int has_one = 0;
         const double value = GDALGetRasterNoDataValue(band, &has_one);
-        if (has_one != 0) no_data_ = value;
-        // The alpha band itself has no mask: it may be where the heights are.
-        masked_ = (GDALGetMaskFlags(band) & GMF_ALL_VALID) == 0 &&
+        if (has_one != 0 && can_be(value, type, signed_bytes))
+            no_data_ = value;
+        else if (has_one != 0)
+            assumed.push_back(unused_no_data(
+                name, rounded(value, 12),
+                "sample of type " + std::string{signed_bytes ? "Int8" : GDALGetDataTypeName(type)}));
+        const int flags = GDALGetMaskFlags(band);
+        // The alpha band itself has no mask: it may be where the heights are. Of integers the value alone tells more: the
+        // mask is made from the value without its fraction, and without the sign of bytes.
+        const bool by_value =
+            flags == GMF_NODATA && type != GDT_Float32 && GDALGetDataTypeSizeBits(type) <= 32;
+        masked_ = (flags & GMF_ALL_VALID) == 0 && !by_value &&
                   GDALGetRasterColorInterpretation(band) != GCI_AlphaBand;
     }
     [[nodiscard]] bool any() const noexcept { return masked_ || no_data_; }
@@ -184,25 +240,15 @@ public:
         if (masked_ && GDALRasterIO(GDALGetMaskBand(band_), GF_Read, 0, j, columns, 1, row_.data(), columns,
                                     1, GDT_Byte, 0, 0) != CE_None)
             return false;
+        const auto no_data = no_data_ ? as_sample<S>(*no_data_) : std::nullopt;
         for (std::size_t i = 0; i < row_.size(); ++i) {
-            const bool no_data = no_data_ && samples[i] == as_sample<S>(*no_data_);
-            if (no_data || (masked_ && row_[i] == 0)) samples[i] = std::numeric_limits<S>::quiet_NaN();
+            if (samples[i] == no_data || (masked_ && row_[i] == 0))
+                samples[i] = std::numeric_limits<S>::quiet_NaN();
         }
         return true;
     }
 
 private:
-    /// The lowest float is often written in so few digits that it is beyond all floats.
-    template <class S>
-    static S as_sample(double value) {
-        constexpr double most = static_cast<double>(std::numeric_limits<S>::max());
-        if (!(std::abs(value) <= most)) {
-            const bool rounded = std::abs(value) <= most * (1 + 1e-6);
-            return rounded ? static_cast<S>(std::copysign(most, value)) : std::numeric_limits<S>::quiet_NaN();
-        }
-        return static_cast<S>(value);
-    }
-
     GDALRasterBandH band_;
     std::vector<std::uint8_t> row_;
     std::optional<double> no_data_;
@@ -230,16 +276,14 @@ AnyHeights right_way_up(const S* samples, int columns, int rows, const Placement
 
 /// The band as samples of type S; where there may be holes S has NaN.
 template <class S>
-AnyHeights read_as(const std::string& name, GDALRasterBandH band, GDALDataType type, Holes& holes,
-                   const Placement& placement, std::shared_ptr<const void>& storage) {
+AnyHeights read_as(const std::string& name, GDALRasterBandH band, GDALDataType type, bool signed_bytes,
+                   Holes& holes, const Placement& placement, std::shared_ptr<const void>& storage) {
     const int columns = GDALGetRasterBandXSize(band), rows = GDALGetRasterBandYSize(band);
     auto samples = room_for<S>(name, columns, rows);
     CPLErrorReset();
     bool whole = GDALRasterIO(band, GF_Read, 0, 0, columns, rows, samples->data(), columns, rows, type, 0,
                               0) == CE_None;
-    // Bytes with a sign have no type of their own before GDAL 3.7.
-    const char* const pixel_type = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
-    if (pixel_type != nullptr && std::string_view{pixel_type} == "SIGNEDBYTE") {
+    if (signed_bytes) {
         for (S& sample : *samples) sample = sample > 127 ? static_cast<S>(sample - 256) : sample;
     }
     if constexpr (std::is_floating_point_v<S>) {
@@ -255,25 +299,28 @@ AnyHeights read_as(const std::string& name, GDALRasterBandH band, GDALDataType t
 }
 
 AnyHeights read_band(const std::string& name, GDALRasterBandH band, const Placement& placement,
-                     std::shared_ptr<const void>& storage) {
-    Holes holes{band, GDALGetRasterBandXSize(band)};
+                     std::shared_ptr<const void>& storage, std::vector<std::string>& assumed) {
+    const bool signed_bytes = has_signed_bytes(band, assumed);
+    Holes holes{band, signed_bytes, name, assumed};
+    const auto read = [&]<class S>(GDALDataType type, S /*tag*/) {
+        return read_as<S>(name, band, type, signed_bytes, holes, placement, storage);
+    };
     switch (GDALGetRasterDataType(band)) {
     case GDT_Byte:
     case GDT_UInt16:
     case GDT_Int16:
-        if (holes.any()) return read_as<float>(name, band, GDT_Float32, holes, placement, storage);
-        if (GDALGetRasterDataType(band) == GDT_UInt16)
-            return read_as<std::uint16_t>(name, band, GDT_UInt16, holes, placement, storage);
-        return read_as<std::int16_t>(name, band, GDT_Int16, holes, placement, storage);
+        if (holes.any()) return read(GDT_Float32, float{});
+        if (GDALGetRasterDataType(band) == GDT_UInt16) return read(GDT_UInt16, std::uint16_t{});
+        return read(GDT_Int16, std::int16_t{});
     case GDT_Int32:
-        if (holes.any()) return read_as<double>(name, band, GDT_Float64, holes, placement, storage);
-        return read_as<std::int32_t>(name, band, GDT_Int32, holes, placement, storage);
-    case GDT_Float32: return read_as<float>(name, band, GDT_Float32, holes, placement, storage);
+        if (holes.any()) return read(GDT_Float64, double{});
+        return read(GDT_Int32, std::int32_t{});
+    case GDT_Float32: return read(GDT_Float32, float{});
     case GDT_CInt16:
     case GDT_CInt32:
     case GDT_CFloat32:
     case GDT_CFloat64: throw BadInput{name + " holds complex numbers, which are no heights."};
-    default: return read_as<double>(name, band, GDT_Float64, holes, placement, storage);
+    default: return read(GDT_Float64, double{});
     }
 }
 
@@ -345,6 +392,16 @@ std::optional<MapUnits> units_of(OGRSpatialReferenceH map) {
     units.arbitrary = OSRIsLocal(map) != 0;
     units.size = units.angular ? OSRGetAngularUnits(map, nullptr) : OSRGetLinearUnits(map, nullptr);
     if (OSRIsVertical(map) != 0) units.height = OSRGetTargetLinearUnits(map, "VERT_CS", nullptr);
+
+    char* text = nullptr;
+    const std::array<const char*, 2> form{"FORMAT=WKT2_2019", nullptr};
+    if (OSRExportToWktEx(map, &text, form.data()) == OGRERR_NONE) {
+        if (const auto read = read_map_units(text)) {
+            units.cylindrical = read->cylindrical;
+            units.depths = read->depths;
+        }
+    }
+    CPLFree(text);
     return units;
 }
 
@@ -379,6 +436,7 @@ void set_heights(Terrain& terrain, const std::string& name, GDALRasterBandH band
                                   ", which is no known length");
     if (!unit && named.empty() && units) unit = units->height;
     set_height_unit(terrain, name, options, unit, has_scale != 0 ? scale : 1, has_offset != 0 ? offset : 0);
+    if (units && units->depths) turn_depths(terrain);
 }
 
 } // namespace
@@ -395,7 +453,7 @@ Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& opt
 
     std::shared_ptr<const void> storage;
     AnyHeights heights = packed ? read_packed(name, dataset.get(), placement, storage)
-                                : read_band(name, band, placement, storage);
+                                : read_band(name, band, placement, storage, assumed);
     std::error_code error;
     Terrain terrain{.name = std::filesystem::exists(file, error) ? file.filename().string() : name,
                     .storage = std::move(storage),
@@ -412,11 +470,11 @@ Terrain read_with_gdal(const std::filesystem::path& file, const ReadOptions& opt
     return terrain;
 }
 
-bool opens_with_gdal(const std::filesystem::path& file) { return open(file.string()) != nullptr; }
+bool opens_with_gdal(const std::filesystem::path& file) { return open_with_gdal(file.string()) != nullptr; }
 
 bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options,
                            int band) {
-    const Dataset dataset = open(file.string());
+    const Dataset dataset = open_with_gdal(file.string());
     if (!dataset || GDALGetRasterCount(dataset.get()) < band) return false;
     set_heights(terrain, file.string(), GDALGetRasterBand(dataset.get(), band),
                 units_of(GDALGetSpatialRef(dataset.get())), options);
@@ -425,7 +483,7 @@ bool set_heights_with_gdal(Terrain& terrain, const std::filesystem::path& file, 
 
 void place_with_gdal(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options) {
     if (options.spacing) return;
-    const Dataset dataset = open(file.string());
+    const Dataset dataset = open_with_gdal(file.string());
     if (!dataset) return;
     const Placement placement = placement_of(file.string(), dataset.get());
     if (!placement.north_first) {

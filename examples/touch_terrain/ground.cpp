@@ -10,7 +10,7 @@ Ground ground_of(const Terrain& terrain, const hfh::GridFrame& frame) {
     return std::visit(
         [&](const auto& heights) -> Ground {
             const hfh::BilinearGrid<double, std::remove_cvref_t<decltype(heights)>> grid{heights, frame};
-            const hfh::Cell last{grid.cells().last.i - 1, grid.cells().last.j - 1};
+            const hfh::Cell last{grid.cells().end.i - 1, grid.cells().end.j - 1};
             const glm::dvec2 cells{static_cast<double>(last.i + 1), static_cast<double>(last.j + 1)};
 
             const auto height = [grid, last, cells](glm::dvec2 at) -> double {

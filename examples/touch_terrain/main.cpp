@@ -10,6 +10,7 @@
 #include "session.hpp"
 #include "standard_streams.hpp"
 #include "stroke.hpp"
+#include "terrain_files.hpp"
 #include "trace.hpp"
 
 #include <cstdio>
@@ -23,7 +24,8 @@ namespace {
 constexpr const char* bundled_terrain = TOUCH_TERRAIN_BUNDLED;
 constexpr glm::dvec2 bundled_spacing{73.596, 92.491}; // examples/data/README.md
 
-/// The terrain that `options` names, or else the bundled one, about which nothing is open.
+/// The terrain that `options` names, or else the bundled one, about which nothing is open. Refused if an output would take
+/// its place.
 Terrain terrain_of(const Options& options) {
     std::error_code none;
     const std::filesystem::path file = options.terrain.value_or(bundled_terrain);
@@ -33,7 +35,10 @@ Terrain terrain_of(const Options& options) {
         if (!read.unit) read.unit = 1.0;
         if (read.channel.empty() && read.encoding == Encoding::none) read.channel = "alpha";
     }
-    return read_terrain(file, read);
+    Terrain terrain = read_terrain(file, read);
+    if (options.record) refuse_to_replace_terrain(file, "--record", *options.record);
+    if (options.picture) refuse_to_replace_terrain(file, "--picture", *options.picture);
+    return terrain;
 }
 
 /// The device of `options`, in a hand that wants to go along the path of `file` or along the built-in stroke.

@@ -20,7 +20,7 @@ std::string upper(std::string_view text) {
     return out;
 }
 
-/// KEYWORD["text", number, KEYWORD[...], ...] of well-known text. Bare words among the arguments are left out.
+/// KEYWORD["text", number, KEYWORD[...], ...] of well-known text. A bare word among the arguments is a text too.
 struct Node {
     std::string keyword;
     std::vector<std::string> texts;
@@ -88,7 +88,10 @@ private:
         rest_.remove_prefix(end);
         const bool square = took('[');
         if (!square && !took('(')) {
-            if (const auto number = parse_finite(word)) into.numbers.push_back(*number);
+            if (const auto number = parse_finite(word))
+                into.numbers.push_back(*number);
+            else
+                into.texts.emplace_back(word);
             return true;
         }
         Node node{upper(word), {}, {}, {}};
@@ -112,6 +115,78 @@ std::optional<double> unit_of(const Node& system, std::initializer_list<std::str
     return unit->numbers[0];
 }
 
+/// A name in the spelling in which the standards agree: "False_Northing" and "False northing" are "falsenorthing".
+std::string plain(std::string_view name) {
+    std::string out;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (std::isalnum(byte) != 0) out += static_cast<char>(std::tolower(byte));
+    }
+    return out;
+}
+
+/// The parameter of `system` under one of its names, times its own unit if it has one, else times `unit`.
+std::optional<double> parameter(const Node& system, std::initializer_list<std::string_view> names,
+                                double unit) {
+    for (const Node& child : system.children) {
+        if (child.is({"CONVERSION"})) {
+            if (const auto inside = parameter(child, names, unit)) return inside;
+        }
+        if (!child.is({"PARAMETER"}) || child.texts.empty() || child.numbers.empty()) continue;
+        if (std::ranges::find(names, plain(child.texts[0])) == names.end()) continue;
+        const Node* const own = child.child({"LENGTHUNIT", "ANGLEUNIT", "SCALEUNIT", "UNIT"});
+        return child.numbers[0] * (own != nullptr && !own->numbers.empty() ? own->numbers[0] : unit);
+    }
+    return std::nullopt;
+}
+
+/// True if the ellipsoid of the map is taken for a sphere, whatever it is.
+bool is_web_mercator(const Node& system, const std::string& method) {
+    if (method == "popularvisualisationpseudomercator" || method == "mercatorauxiliarysphere") return true;
+    const Node* const extension = system.child({"EXTENSION"});
+    return extension != nullptr && std::ranges::any_of(extension->texts, [](const std::string& text) {
+               return text.find("+nadgrids=@null") != std::string::npos;
+           });
+}
+
+/// The projection of `system`, whose units are known, if it is cylindrical and not transverse.
+std::optional<CylindricalMap> cylindrical_of(const Node& system, const MapUnits& units) {
+    using enum CylindricalMap::Kind;
+    const Node* const named = system.find({"PROJECTION", "METHOD"});
+    if (named == nullptr || named->texts.empty()) return std::nullopt;
+    const std::string method = plain(named->texts[0]);
+    const bool web = is_web_mercator(system, method);
+    CylindricalMap map;
+    if (web || method.starts_with("mercator"))
+        map.kind = mercator;
+    else if (method.starts_with("equidistantcylindrical") || method.starts_with("equirectangular") ||
+             method == "platecarree")
+        map.kind = equidistant;
+    else if (method.find("cylindricalequalarea") != std::string::npos || method == "behrmann")
+        map.kind = equal_area;
+    else
+        return std::nullopt;
+    if (map.kind == mercator && !web) map.eccentricity_squared = units.flattening * (2 - units.flattening);
+    map.false_northing = parameter(system, {"falsenorthing"}, units.size).value_or(0.0);
+    if (map.kind == equidistant) {
+        const auto origin = parameter(system, {"latitudeoforigin", "latitudeofnaturalorigin"}, degree);
+        map.false_northing -= units.semi_major * origin.value_or(0.0);
+    }
+    const double parallel =
+        parameter(system, {"standardparallel1", "latitudeof1ststandardparallel"}, degree).value_or(0.0);
+    map.scale = parameter(system, {"scalefactor", "scalefactoratnaturalorigin"}, 1.0).value_or(1.0) *
+                std::cos(parallel) /
+                std::sqrt(1 - map.eccentricity_squared * std::pow(std::sin(parallel), 2));
+    return map;
+}
+
+/// True if a vertical system counts downwards, as its axis or ESRI's parameter says.
+bool counts_down(const Node& vertical) {
+    if (parameter(vertical, {"direction"}, 1.0) == -1.0) return true;
+    const Node* const axis = vertical.find({"AXIS"});
+    return axis != nullptr && axis->texts.size() >= 2 && upper(axis->texts[1]) == "DOWN";
+}
+
 std::optional<MapUnits> units_of(const std::vector<Node>& nodes) {
     // The system itself may stand in a compound or a bound one.
     const auto find = [&](std::initializer_list<std::string_view> keywords) -> const Node* {
@@ -121,8 +196,10 @@ std::optional<MapUnits> units_of(const std::vector<Node>& nodes) {
         return nullptr;
     };
     MapUnits units;
-    if (const Node* const vertical = find({"VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS"}))
+    if (const Node* const vertical = find({"VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS"})) {
         units.height = unit_of(*vertical, {"UNIT", "LENGTHUNIT"});
+        units.depths = counts_down(*vertical);
+    }
     if (const Node* const ellipsoid = find({"SPHEROID", "ELLIPSOID"})) {
         if (ellipsoid->numbers.size() >= 2 && ellipsoid->numbers[0] > 0 && ellipsoid->numbers[1] >= 0) {
             units.semi_major = ellipsoid->numbers[0];
@@ -130,7 +207,8 @@ std::optional<MapUnits> units_of(const std::vector<Node>& nodes) {
         }
     }
     std::optional<double> size;
-    if (const Node* const flat = find({"PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS"})) {
+    const Node* const flat = find({"PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS"});
+    if (flat != nullptr) {
         size = unit_of(*flat, {"UNIT", "LENGTHUNIT"});
     } else if (const Node* const round =
                    find({"GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS"})) {
@@ -139,6 +217,7 @@ std::optional<MapUnits> units_of(const std::vector<Node>& nodes) {
     }
     if (!size) return std::nullopt;
     units.size = *size;
+    if (flat != nullptr) units.cylindrical = cylindrical_of(*flat, units);
     return units;
 }
 
@@ -156,7 +235,8 @@ std::optional<MapUnits> units_in_lines(std::string_view text) {
         if (key == "ZUNITS") height = value;
         text.remove_prefix(std::min(end + 1, text.size()));
     }
-    if (system.empty()) return std::nullopt;
+    // The parameters of a projection that would be needed for lengths on the ground are of too many forms.
+    if (system.empty() || system == "MERCATOR" || system == "EQUIRECTANGULAR") return std::nullopt;
     units.height = metres_in(height);
     units.angular = system == "GEOGRAPHIC";
     if (units.angular) {
@@ -169,14 +249,43 @@ std::optional<MapUnits> units_in_lines(std::string_view text) {
     return units;
 }
 
-struct Radii {
-    double east, north; ///< N·cos φ and M
-};
-Radii radii_at(const MapUnits& units, double latitude) {
-    const double squared = units.flattening * (2 - units.flattening); // e²
+/// The latitude, in radians, of a northing of the map in its own units. Not a number beyond the map's poles.
+double latitude_of(const MapUnits& units, double northing) {
+    if (units.angular) return units.size * northing;
+    const CylindricalMap& map = *units.cylindrical;
+    const double y = (units.size * northing - map.false_northing) / units.semi_major;
+    if (map.kind == CylindricalMap::Kind::equidistant) return y;
+    if (map.kind == CylindricalMap::Kind::equal_area) return std::asin(y * map.scale);
+    double latitude = std::atan(std::sinh(y / map.scale));
+    // Each step is e² times as long as the one before, and e² < 0.01 on any planet.
+    const double e = std::sqrt(map.eccentricity_squared);
+    for (int step = 0; step < 8; ++step)
+        latitude = std::atan(std::sinh(y / map.scale + e * std::atanh(e * std::sin(latitude))));
+    return latitude;
+}
+
+/// Metres on the ground in a metre, or a radian, of the map, east and north.
+glm::dvec2 ground_per_unit(const MapUnits& units, double latitude) {
+    const double squared = units.angular ? units.flattening * (2 - units.flattening)
+                                         : units.cylindrical->eccentricity_squared; // e²
     const double rest = 1 - squared * std::pow(std::sin(latitude), 2);
-    return {units.semi_major / std::sqrt(rest) * std::cos(latitude),
-            units.semi_major * (1 - squared) / std::pow(rest, 1.5)};
+    const double east = std::cos(latitude) / std::sqrt(rest);
+    if (units.angular) return units.semi_major * glm::dvec2{east, (1 - squared) / std::pow(rest, 1.5)};
+    const double factor = east / units.cylindrical->scale;
+    using enum CylindricalMap::Kind;
+    switch (units.cylindrical->kind) {
+    case mercator: return {factor, factor};
+    case equidistant: return {factor, 1};
+    case equal_area: break;
+    }
+    return {factor, 1 / factor};
+}
+
+std::string name_of(const CylindricalMap& map) {
+    using enum CylindricalMap::Kind;
+    return map.kind == mercator      ? "Mercator"
+           : map.kind == equidistant ? "equidistant cylindrical"
+                                     : "equal-area cylindrical";
 }
 
 } // namespace
@@ -197,25 +306,28 @@ glm::dvec2 checked_spacing(glm::dvec2 spacing, const std::string& file) {
 
 glm::dvec2 spacing_on_map(const MapUnits& units, const MapExtent& extent, const std::string& file,
                           std::vector<std::string>& assumed) {
-    if (!units.angular) return checked_spacing(units.size * extent.cell, file);
+    const glm::dvec2 cell = units.size * extent.cell;
+    if (!units.needs_latitude()) return checked_spacing(cell, file);
 
-    const double south = units.size * extent.south, north = units.size * extent.north;
-    const double middle = (south + north) / 2;
-    const double half_cell = 0.5 * units.size * extent.cell.y;
+    const double south = latitude_of(units, extent.south), north = latitude_of(units, extent.north);
+    const double middle = latitude_of(units, (extent.south + extent.north) / 2);
+    const double half_cell = units.angular ? 0.5 * cell.y : 0;
     constexpr double pole = std::numbers::pi / 2;
     // The last row of a map of the whole globe lies on the pole or half a cell before it.
     if (!(std::abs(south) <= pole + 1.01 * half_cell && std::abs(north) <= pole + 1.01 * half_cell &&
-          std::abs(middle) < pole - half_cell)) {
-        throw BadInput{file + " is in degrees from latitude " + rounded(south / degree, 6) + " to " +
-                       rounded(north / degree, 6) +
+          std::abs(middle) < pole - std::max(half_cell, degree / 60))) {
+        throw BadInput{file + " is " + (units.angular ? "in degrees" : "on a cylindrical map") +
+                       " from latitude " + rounded(south / degree, 6) + " to " + rounded(north / degree, 6) +
                        ", where they cannot be turned into metres; --spacing gives the metres."};
     }
-    const Radii radii = radii_at(units, middle);
-    const glm::dvec2 metres = units.size * extent.cell * glm::dvec2{radii.east, radii.north};
+    const glm::dvec2 metres = cell * ground_per_unit(units, middle);
     std::string sentence =
-        "degrees are turned into metres at the middle latitude, " + rounded(middle / degree, 6);
+        (units.angular ? "degrees are turned into metres at the middle latitude, "
+                       : name_of(*units.cylindrical) +
+                             " metres are turned into those on the ground at the middle latitude, ") +
+        rounded(middle / degree, 6);
     const auto width = [&](double latitude) {
-        return std::max(0.0, radii_at(units, latitude).east) * units.size * extent.cell.x;
+        return std::max(0.0, ground_per_unit(units, latitude).x) * cell.x;
     };
     const double at_north = width(north), at_south = width(south);
     if (std::abs(at_north - at_south) > 0.01 * metres.x || std::abs(at_north - metres.x) > 0.01 * metres.x) {

@@ -3,6 +3,7 @@
 #include "bad_input.hpp"
 #include "numbers.hpp"
 #include "standard_streams.hpp"
+#include "terrain_files.hpp"
 #include "units.hpp"
 
 #include <CLI/CLI.hpp>
@@ -72,32 +73,9 @@ std::string channel_from(const std::string& text) {
 
 void refuse_same_file(const char* a, const std::optional<std::filesystem::path>& first, const char* b,
                       const std::optional<std::filesystem::path>& second) {
-    if (!first || !second) return;
-    std::error_code error;
-    if (std::filesystem::weakly_canonical(*first, error) != std::filesystem::weakly_canonical(*second, error))
-        return;
+    if (!first || !second || !is_same_file(*first, *second)) return;
     throw BadInput{std::string{a} + " and " + b + " are both " + second->string() +
                    ", but each must be a file of its own."};
-}
-
-/// A terrain may be read from files beside it too: they have its name, with another ending or one more.
-void refuse_beside_terrain(const std::optional<std::filesystem::path>& terrain, const char* option,
-                           const std::optional<std::filesystem::path>& output) {
-    if (!terrain || !output) return;
-    constexpr std::array<std::string_view, 9> endings{".hdr", ".prj", ".xml", ".aux", ".clr",
-                                                      ".stx", ".tfw", ".pgw", ".wld"};
-    const std::string ending = output->extension().string();
-    std::error_code error;
-    const bool exists = std::filesystem::exists(*output, error);
-    if (!exists || std::ranges::find(endings, ending) == endings.end()) return;
-    const auto here = std::filesystem::weakly_canonical(*output, error),
-               there = std::filesystem::weakly_canonical(*terrain, error);
-    if (here.parent_path() != there.parent_path() ||
-        !here.filename().string().starts_with(there.stem().string())) {
-        return;
-    }
-    throw BadInput{std::string{option} + " " + output->string() + " is there and belongs to the terrain " +
-                   terrain->string() + ": it is not written over."};
 }
 
 } // namespace
@@ -116,8 +94,9 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
 #endif
         ". Default: the Spanish Peaks");
     app.add_option("--spacing", spacing,
-                   "Metres from sample to sample, east and north. Default: what the file says (degrees in "
-                   "metres at the middle latitude), else 1")
+                   "Metres from sample to sample, east and north. Default: what the file says (degrees and "
+                   "Mercator in "
+                   "metres on the ground at the middle latitude), else 1")
         ->type_name("DX[,DY]");
     app.add_option("--unit", unit,
                    "Of the samples, and of the spacing in a file that names no map: m, km, dm, cm, mm, um, "
@@ -198,8 +177,6 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     refuse_same_file("--path", options.path, "--picture", options.picture);
     refuse_same_file("TERRAIN", options.terrain, "--record", options.record);
     refuse_same_file("TERRAIN", options.terrain, "--picture", options.picture);
-    refuse_beside_terrain(options.terrain, "--record", options.record);
-    refuse_beside_terrain(options.terrain, "--picture", options.picture);
     return options;
 }
 

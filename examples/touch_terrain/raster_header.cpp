@@ -2,6 +2,7 @@
 
 #include "bad_input.hpp"
 #include "memory_map.hpp"
+#include "no_data.hpp"
 #include "numbers.hpp"
 
 #include <algorithm>
@@ -132,7 +133,7 @@ private:
 };
 
 /// The kind of a sample where no PIXELTYPE says it: ESRI's default are integers without a sign, but who marks "no data" by
-/// a negative number has some with a sign (as GDAL has it, from 16 bits on).
+/// a negative number has some with a sign (as GDAL has it too, though only from 16 bits on).
 SampleKind kind_assumed(const Entries& entries, RasterHeader& header) {
     const std::string name = header.file.filename().string();
     if (const auto* const other = entries.find("DATATYPE")) {
@@ -146,9 +147,8 @@ SampleKind kind_assumed(const Entries& entries, RasterHeader& header) {
             " has no PIXELTYPE, but samples of 64 bits are read as FLOAT alone, which must stand there."};
     }
     const auto no_data = parse_number<double>(header.no_data);
-    if (header.bits > 8 && no_data && *no_data < 0) {
-        header.assumed.push_back("samples are integers with a sign, for " + name +
-                                 " has no PIXELTYPE, but a NODATA of " + header.no_data);
+    if (no_data && *no_data < 0) {
+        header.assumed.push_back(sign_assumed(name, header.no_data));
         return SampleKind::signed_integer;
     }
     header.assumed.push_back("samples are integers without a sign, for " + name + " has no PIXELTYPE");
@@ -243,11 +243,13 @@ RasterHeader read_raster_header(const std::filesystem::path& raster) {
     };
     using enum SampleKind;
     if (!is(unsigned_integer, 8) && !is(unsigned_integer, 16) && !is(unsigned_integer, 32) &&
-        !is(signed_integer, 16) && !is(signed_integer, 32) && !is(floating, 32) && !is(floating, 64)) {
-        entries.refuse("PIXELTYPE",
-                       "one of uint8, uint16, uint32, int16, int32, float32 and float64 together with " +
-                           std::string{entries.find("NBITS") ? "NBITS " : "the default NBITS "} +
-                           std::to_string(header.bits));
+        !is(signed_integer, 8) && !is(signed_integer, 16) && !is(signed_integer, 32) && !is(floating, 32) &&
+        !is(floating, 64)) {
+        entries.refuse(
+            "PIXELTYPE",
+            "one of uint8, uint16, uint32, int8, int16, int32, float32 and float64 together with " +
+                std::string{entries.find("NBITS") ? "NBITS " : "the default NBITS "} +
+                std::to_string(header.bits));
     }
     header.swapped = is_swapped(entries);
 

@@ -1,6 +1,7 @@
 #include "bad_input.hpp"
 #include "map_units.hpp"
 #include "memory_map.hpp"
+#include "no_data.hpp"
 #include "numbers.hpp"
 #include "raster_header.hpp"
 #include "terrain.hpp"
@@ -15,33 +16,36 @@
 namespace demo {
 namespace {
 
-/// The "no data" value as a sample: none if no sample can equal it.
-template <class S>
-std::optional<S> no_data_as(const std::string& text) {
-    if constexpr (std::is_floating_point_v<S>) {
-        return parse_number<S>(text);
-    } else {
-        const auto value = parse_number<double>(text);
-        if (!value || std::trunc(*value) != *value || *value < std::numeric_limits<S>::lowest() ||
-            *value > std::numeric_limits<S>::max()) {
-            return std::nullopt;
-        }
-        return static_cast<S>(*value);
-    }
+/// "int16" and the like.
+std::string type_of(const RasterHeader& header) {
+    using enum SampleKind;
+    const char* const kind = header.kind == floating         ? "float"
+                             : header.kind == signed_integer ? "int"
+                                                             : "uint";
+    return kind + std::to_string(header.bits);
 }
 
-/// A view on `samples`, the first of the north row.
-template <class S>
-AnyHeights view(const S* samples, hfh::Index row_stride, const RasterHeader& header) {
+/// A view on `samples`, the first of the north row, that lie in the file as `Stored`. Where NODATA is a number that none of
+/// them can be, `header` says so.
+template <class Stored, class S>
+AnyHeights view(const S* samples, hfh::Index row_stride, RasterHeader& header) {
+    NoData<S> missing;
+    if (const auto value = parse_number<double>(header.no_data)) {
+        missing.value = as_sample<Stored>(*value);
+        if (!missing.value) {
+            header.assumed.push_back(unused_no_data(header.file.filename().string(), header.no_data,
+                                                    "sample of type " + type_of(header)));
+        }
+    }
     const Heights<S> north_first{
-        samples,    static_cast<hfh::Index>(header.columns), static_cast<hfh::Index>(header.rows), 1,
-        row_stride, NoData<S>{no_data_as<S>(header.no_data)}};
+        samples, static_cast<hfh::Index>(header.columns), static_cast<hfh::Index>(header.rows), 1, row_stride,
+        missing};
     return north_first.flipped_rows();
 }
 
 /// The samples of the file as they lie there, the other way round if the file has the other byte order.
 template <class Stored, class S>
-AnyHeights copied(const RasterHeader& header, std::span<const std::byte> bytes,
+AnyHeights copied(RasterHeader& header, std::span<const std::byte> bytes,
                   std::shared_ptr<const void>& storage) {
     auto samples = std::make_shared<std::vector<S>>();
     samples->reserve(header.columns * header.rows);
@@ -54,21 +58,21 @@ AnyHeights copied(const RasterHeader& header, std::span<const std::byte> bytes,
             samples->push_back(static_cast<S>(std::bit_cast<Stored>(sample)));
         }
     }
-    const AnyHeights heights = view(samples->data(), static_cast<hfh::Index>(header.columns), header);
+    const AnyHeights heights = view<Stored>(samples->data(), static_cast<hfh::Index>(header.columns), header);
     storage = std::move(samples);
     return heights;
 }
 
 template <class S>
-AnyHeights in_place(const RasterHeader& header, const std::shared_ptr<const MemoryMap>& map,
+AnyHeights in_place(RasterHeader& header, const std::shared_ptr<const MemoryMap>& map,
                     std::shared_ptr<const void>& storage) {
     if (header.swapped) return copied<S, S>(header, map->bytes(), storage);
     storage = map;
-    return view(reinterpret_cast<const S*>(map->bytes().data() + header.skip),
-                static_cast<hfh::Index>(header.row_bytes / sizeof(S)), header);
+    return view<S>(reinterpret_cast<const S*>(map->bytes().data() + header.skip),
+                   static_cast<hfh::Index>(header.row_bytes / sizeof(S)), header);
 }
 
-AnyHeights heights_in(const RasterHeader& header, const std::shared_ptr<const MemoryMap>& map,
+AnyHeights heights_in(RasterHeader& header, const std::shared_ptr<const MemoryMap>& map,
                       std::shared_ptr<const void>& storage) {
     switch (header.kind) {
     case SampleKind::unsigned_integer:
@@ -76,6 +80,7 @@ AnyHeights heights_in(const RasterHeader& header, const std::shared_ptr<const Me
         if (header.bits == 16) return in_place<std::uint16_t>(header, map, storage);
         return copied<std::uint32_t, double>(header, map->bytes(), storage); // no terrain has such samples
     case SampleKind::signed_integer:
+        if (header.bits == 8) return copied<std::int8_t, std::int16_t>(header, map->bytes(), storage);
         if (header.bits == 16) return in_place<std::int16_t>(header, map, storage);
         return in_place<std::int32_t>(header, map, storage);
     case SampleKind::floating: break;
@@ -111,11 +116,14 @@ void place(Terrain& terrain, const std::filesystem::path& file, const RasterHead
         if (!text) place_with_gdal(terrain, file, options);
     }
 #endif
-    if (!heights_known) set_height_unit(terrain, file, options, units ? units->height : std::nullopt);
+    if (!heights_known) {
+        set_height_unit(terrain, file, options, units ? units->height : std::nullopt);
+        if (units && units->depths) turn_depths(terrain);
+    }
     if (options.spacing || terrain.spacing || !header.cell) return;
     if (text && !units) {
-        throw BadInput{file.string() + " has a .prj that names no unit, " + shown(*text) +
-                       "; --spacing gives the metres from sample to sample."};
+        throw BadInput{file.string() + " has a .prj that does not tell metres on the ground, " +
+                       shown(*text) + "; --spacing gives the metres from sample to sample."};
     }
     if (!units) {
         if (!options.unit)
@@ -124,8 +132,9 @@ void place(Terrain& terrain, const std::filesystem::path& file, const RasterHead
         terrain.spacing = checked_spacing(options.unit.value_or(1.0) * *header.cell, file.string());
         return;
     }
-    if (units->angular && !header.north) {
-        throw BadInput{file.string() + " is in degrees, but " + header.file.filename().string() +
+    if (units->needs_latitude() && !header.north) {
+        throw BadInput{file.string() + (units->angular ? " is in degrees" : " is on a cylindrical map") +
+                       ", but " + header.file.filename().string() +
                        " has no ULYMAP or YLLCORNER to say at which latitude; --spacing gives the metres."};
     }
     const double north = header.north.value_or(0.0);
@@ -147,7 +156,7 @@ Terrain read_raster(const std::filesystem::path& file, const ReadOptions& option
                 : header.string() + " is an ENVI header, which this build without GDAL does not read."};
 #endif
     }
-    const RasterHeader header = read_raster_header(file);
+    RasterHeader header = read_raster_header(file);
     require_a_patch(header.file, static_cast<hfh::Index>(header.columns),
                     static_cast<hfh::Index>(header.rows));
 
@@ -164,7 +173,7 @@ Terrain read_raster(const std::filesystem::path& file, const ReadOptions& option
                     .storage = std::move(storage),
                     .heights = std::move(heights),
                     .spacing = std::nullopt,
-                    .assumed = header.assumed};
+                    .assumed = std::move(header.assumed)};
     place(terrain, file, header, options);
     return terrain;
 }

@@ -73,4 +73,10 @@ void set_height_unit(Terrain& terrain, const std::filesystem::path& file, const 
         "most 1e30."};
 }
 
+void turn_depths(Terrain& terrain) {
+    terrain.height_scale = -terrain.height_scale;
+    terrain.height_offset = -terrain.height_offset;
+    terrain.assumed.emplace_back("samples are depths, for the vertical system of the map counts downwards");
+}
+
 } // namespace demo

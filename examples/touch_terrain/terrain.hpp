@@ -92,6 +92,9 @@ void require_a_patch(const std::filesystem::path& file, hfh::Index columns, hfh:
 void set_height_unit(Terrain& terrain, const std::filesystem::path& file, const ReadOptions& options,
                      std::optional<double> unit, double scale = 1, double offset = 0);
 
+/// Turns over the heights of `terrain`, which are depths by its vertical system, and says so.
+void turn_depths(Terrain& terrain);
+
 } // namespace demo
 
 #endif // TOUCH_TERRAIN_TERRAIN_HPP

@@ -4,6 +4,7 @@
 // Which patches a segment may touch, where it first hits, and the way down to the closest point.
 
 #include <hfh/traversal/candidate_walker.hpp>
+#include <hfh/traversal/cell_crossing.hpp>
 #include <hfh/traversal/descent.hpp>
 #include <hfh/traversal/empty_space_skipping.hpp>
 #include <hfh/traversal/first_hit.hpp>

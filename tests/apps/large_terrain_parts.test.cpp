@@ -1,4 +1,5 @@
 #include "catch.hpp"
+#include "support/skip.hpp"
 #include "touch_terrain_files.hpp"
 
 #include <bad_input.hpp>
@@ -251,7 +252,8 @@ TEST_CASE("large_terrain residency: brings in what lies around the stylus, follo
 TEST_CASE("large_terrain residency: the thread that feels does not wait for the disk where the helper was",
           "[large_terrain]") {
     const FileOfGround ground;
-    if (ground.turn_cold()) CHECK(ground.waits_around({3000, 250}, 64) > 0); // without it
+    if (!ground.turn_cold()) return hfh::test::skip("this file system keeps its files in memory");
+    CHECK(ground.waits_around({3000, 250}, 64) > 0); // without it
     (void)ground.turn_cold();
     const Residency residency{layout_of(ground.heights), {3000, 250}};
     CHECK(ground.waits_around({3000, 250}, 64) == 0);

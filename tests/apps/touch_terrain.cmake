@@ -7,5 +7,6 @@ target_sources(hfh_tests PRIVATE
     apps/touch_terrain_parts.test.cpp
     apps/touch_terrain_reads.test.cpp
     apps/touch_terrain_record.test.cpp
-    apps/touch_terrain_refuses.test.cpp)
+    apps/touch_terrain_refuses.test.cpp
+    apps/touch_terrain_strokes.test.cpp)
 target_link_libraries(hfh_tests PRIVATE touch_terrain_parts PNG::PNG)

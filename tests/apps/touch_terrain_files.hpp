@@ -119,20 +119,41 @@ inline void write_png(const fs::path& file, int columns, int rows, int bits, int
     std::fclose(out);
 }
 
+/// The checksum of PNG and zip.
+inline std::uint32_t crc_of(const std::string& data) {
+    std::uint32_t crc = 0xffffffffu;
+    for (const char c : data) {
+        crc ^= static_cast<std::uint8_t>(c);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0u);
+    }
+    return ~crc;
+}
+
+/// A zip archive of one file, which is not compressed.
+inline std::string zip_of(const std::string& name, const std::string& data) {
+    const auto number = [](std::size_t value, int bytes) {
+        std::string out;
+        for (int k = 0; k < bytes; ++k) out += static_cast<char>(k < 8 ? value >> 8 * k & 0xff : 0);
+        return out;
+    };
+    const std::string about = number(10, 2) + number(0, 2) + number(0, 2) + number(0, 4) +
+                              number(crc_of(data), 4) + number(data.size(), 4) + number(data.size(), 4) +
+                              number(name.size(), 2) + number(0, 2);
+    const std::string local = "PK\3\4" + about + name + data;
+    const std::string central = "PK\1\2" + number(10, 2) + about + number(0, 2 + 2 + 2 + 4 + 4) + name;
+    return local + central + "PK\5\6" + number(0, 4) + number(1, 2) + number(1, 2) +
+           number(central.size(), 4) + number(local.size(), 4) + number(0, 2);
+}
+
 /// Puts a chunk in front of the pixels of a PNG.
 inline void insert_chunk(const fs::path& file, const std::string& type, const std::string& data) {
     const auto append = [](std::string& out, std::uint32_t value) {
         for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xff);
     };
-    std::uint32_t crc = 0xffffffffu;
-    for (const char c : type + data) {
-        crc ^= static_cast<std::uint8_t>(c);
-        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0u);
-    }
     std::string chunk;
     append(chunk, static_cast<std::uint32_t>(data.size()));
     chunk += type + data;
-    append(chunk, ~crc);
+    append(chunk, crc_of(type + data));
     std::string bytes = contents(file);
     bytes.insert(bytes.find("IDAT") - 4, chunk);
     std::ofstream{file, std::ios::binary} << bytes;

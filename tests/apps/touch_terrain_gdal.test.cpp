@@ -1,4 +1,5 @@
 #include "catch.hpp"
+#include "support/skip.hpp"
 #include "touch_terrain_files.hpp"
 
 #include <bad_input.hpp>
@@ -276,14 +277,56 @@ TEST_CASE("touch_terrain gdal: degrees and feet become metres", "[touch_terrain]
     CHECK_FALSE(says(compound, "heights"));
 }
 
+TEST_CASE("touch_terrain gdal: Mercator metres become metres on the ground", "[touch_terrain][gdal]") {
+    const Folder folder;
+    const std::string samples = band<std::int16_t>(folder, 1, four);
+    const auto read = [&](const std::string& map, double north, const demo::ReadOptions& options = {}) {
+        const std::string transform = "1e6, 30, 0, " + std::to_string(north + 30) + ", 0, -30";
+        return demo::read_terrain(raster(folder, lies(transform, map) + samples), options);
+    };
+    const double web = 8399737.88981836, world = 8362698.54850075; // 60°
+    for (const std::string map :
+         {"EPSG:3857", "EPSG:900913", "EPSG:3785", "ESRI:102100", "ESRI:102113", "+proj=webmerc +datum=WGS84",
+          "+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +k=1 +units=m +nadgrids=@null +no_defs"}) {
+        CAPTURE(map);
+        const auto terrain = read(map, web);
+        CHECK(terrain.spacing->x == Approx(15).epsilon(1e-6));
+        CHECK(terrain.spacing->y == Approx(15).epsilon(1e-6));
+        CHECK(
+            says(terrain, "Mercator metres are turned into those on the ground at the middle latitude, 60 "));
+        CHECK(read(map, web, {.spacing = glm::dvec2{30, 30}}).spacing == glm::dvec2{30, 30});
+    }
+    CHECK(read("EPSG:3857+5703", web).spacing->x == Approx(15).epsilon(1e-6));
+    CHECK(read("EPSG:3395", world).spacing->x == Approx(30 * 0.501260).epsilon(1e-5));
+    CHECK(read("EPSG:4087", 6679169.4476).spacing->x == Approx(15).epsilon(1e-5));
+    CHECK(read("EPSG:4087", 6679169.4476).spacing->y == 30);
+    CHECK(read("EPSG:6933", 6351419.9973).spacing->x == Approx(30 * 55.800 / 96.4865).epsilon(0.012));
+    for (const std::string map : {"EPSG:32613", "EPSG:3035", "EPSG:5070", "EPSG:3031"}) {
+        CAPTURE(map);
+        CHECK(read(map, 4e6).spacing == glm::dvec2{30, 30});
+        CHECK_FALSE(says(read(map, 4e6), "ground"));
+    }
+}
+
+TEST_CASE("touch_terrain gdal: depths of the vertical system lie below", "[touch_terrain][gdal]") {
+    const Folder folder;
+    const auto read = [&](const std::string& map) {
+        const std::string samples =
+            band<std::int16_t>(folder, 1, four, "<Scale>0.5</Scale><Offset>10</Offset>");
+        return demo::read_terrain(raster(folder, lies("5e5, 30, 0, 4e6, 0, -30", map) + samples));
+    };
+    check_heights(read("EPSG:32613+5715"), {-85, -11, -11.5, -12}); // mean sea level, downwards
+    CHECK(says(read("EPSG:32613+5715"), "samples are depths"));
+    check_heights(read("EPSG:32613+5714"), {85, 11, 11.5, 12});
+    CHECK_FALSE(says(read("EPSG:32613+5714"), "depths"));
+}
+
 TEST_CASE("touch_terrain gdal: one of several rasters is asked for by its name", "[touch_terrain][gdal]") {
     const Folder folder;
     folder.text("one.nc", netcdf({"depth"}));
     folder.text("two.nc", netcdf({"depth", "error"}));
-    if (contains(refusal(folder / "one.nc"), "not recognized")) {
-        WARN("this GDAL does not read netCDF");
-        return;
-    }
+    if (contains(refusal(folder / "one.nc"), "not recognized"))
+        return hfh::test::skip("this GDAL does not read netCDF");
     check_heights(demo::read_terrain(folder / "one.nc"), {1, 2, 3, 4});
     const std::string depth = "NETCDF:\"" + (folder / "two.nc").string() + "\":depth";
     const std::string said = refusal(folder / "two.nc");
@@ -309,6 +352,52 @@ TEST_CASE("touch_terrain gdal: a band of a bil of several", "[touch_terrain][gda
     check_heights(demo::read_terrain(folder / "t.bil", {.channel = "1"}), {1, 2, 3, 4});
     check_heights(demo::read_terrain(folder / "t.bil", {.channel = "2"}), {5, 6, 7, 8});
     CHECK(contains(refusal(folder / "t.bil", {.channel = "3"}), "has the bands 1, 2"));
+}
+
+TEST_CASE("touch_terrain gdal: bytes of a bil have a sign where its NODATA is negative",
+          "[touch_terrain][gdal]") {
+    const Folder folder;
+    folder.samples<std::int8_t>("t.bil", {-1, 10, -128, 127});
+    const std::string header = "NROWS 2\nNCOLS 2\nNBITS 8\nNODATA -1\n";
+    folder.text("t.hdr", header);
+    const auto terrain = demo::read_terrain(folder / "t.bil", {.channel = "1"});
+    check_heights(terrain, {hole, 10, -128, 127});
+    CHECK(says(terrain, "integers with a sign, for t.hdr has no PIXELTYPE, but a NODATA of -1"));
+    folder.text("t.hdr", header + "pixeltype UNSIGNEDINT\n");
+    const auto unsigned_bytes = demo::read_terrain(folder / "t.bil", {.channel = "1"});
+    check_heights(unsigned_bytes, {255, 10, 128, 127});
+    CHECK(says(unsigned_bytes, "which no sample of type Byte can be"));
+    folder.text("t.hdr", header + "PIXELTYPE SIGNEDINT\n");
+    check_heights(demo::read_terrain(folder / "t.bil", {.channel = "1"}), {hole, 10, -128, 127});
+}
+
+TEST_CASE("touch_terrain gdal: a \"no data\" value that no sample can be is not dropped silently",
+          "[touch_terrain][gdal]") {
+    const Folder folder;
+    const auto said = [&]<class S>(S /*type*/, const std::string& no_data) {
+        const auto terrain =
+            demo::read_terrain(raster(folder, band<S>(folder, 1, {S(1), S(2), S(3), S(4)},
+                                                      "<NoDataValue>" + no_data + "</NoDataValue>")));
+        check_heights(terrain, {1, no_data == "2" ? hole : 2, 3, 4});
+        for (const std::string& sentence : terrain.assumed) {
+            if (contains(sentence, "no data")) return sentence.substr(sentence.find("that it is"));
+        }
+        return std::string{};
+    };
+    CHECK(said(std::uint8_t{}, "-9999") == "that it is -9999, which no sample of type Byte can be");
+    CHECK(said(std::uint8_t{}, "nan") == "that it is nan, which no sample of type Byte can be");
+    CHECK(said(std::uint16_t{}, "-1") == "that it is -1, which no sample of type UInt16 can be");
+    CHECK(said(std::int16_t{}, "2.5") == "that it is 2.5, which no sample of type Int16 can be");
+    CHECK(said(std::int32_t{}, "-3.4e38") == "that it is -3.4e+38, which no sample of type Int32 can be");
+    CHECK(said(std::uint32_t{}, "4294967296") ==
+          "that it is 4294967296, which no sample of type UInt32 can be");
+    CHECK(said(float{}, "-1e300") == "that it is -1e+300, which no sample of type Float32 can be");
+    CHECK(said(double{}, "-1e300").empty());
+    CHECK(said(std::uint8_t{}, "2").empty());
+    CHECK(said(std::int16_t{}, "2").empty());
+    CHECK(said(std::int32_t{}, "2").empty());
+    CHECK(said(float{}, "2").empty());
+    CHECK(said(float{}, "nan").empty());
 }
 
 TEST_CASE("touch_terrain gdal: a world file says how far apart an image's pixels are",
@@ -348,6 +437,12 @@ TEST_CASE("touch_terrain gdal: what it has written beside a file that cannot hol
     folder.text("t.bil.aux.xml", "<PAMDataset><PAMRasterBand band=\"1\"/></PAMDataset>");
     check_heights(demo::read_terrain(folder / "t.bil"), {1, 2, 3, 4});
     CHECK(demo::read_terrain(folder / "t.bil").spacing == glm::dvec2{0.001});
+}
+
+#else
+
+TEST_CASE("touch_terrain gdal: what GDAL knows of a raster is used", "[touch_terrain][gdal]") {
+    hfh::test::skip("GDAL was not there when this was configured");
 }
 
 #endif // TOUCH_TERRAIN_HAS_GDAL

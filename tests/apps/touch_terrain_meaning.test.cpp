@@ -98,6 +98,13 @@ std::string state_plane(const std::string& unit) {
            R"(,PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",5e5],UNIT[)" + unit + "]]";
 }
 
+/// Says that the ellipsoid of `map` is projected as a sphere, as GDAL does in the older form.
+std::string with_extension(const std::string& map) {
+    return map.substr(0, map.size() - 1) +
+           R"(,EXTENSION["PROJ4","+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +nadgrids=@null +wktext +no_defs"],)"
+           R"(AUTHORITY["EPSG","3857"]])";
+}
+
 } // namespace
 
 TEST_CASE("touch_terrain bil: without PIXELTYPE, a negative NODATA means a sign", "[touch_terrain]") {
@@ -114,15 +121,25 @@ TEST_CASE("touch_terrain bil: without PIXELTYPE, a negative NODATA means a sign"
         folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nNODATA -3.4e38\n");
         check_heights(demo::read_terrain(folder / "t.bil"), {-9999, 10, -5, 70000});
     }
-    SECTION("none without it, nor for bytes, as GDAL has it") {
+    SECTION("8 bits, of which GDAL does not think so") {
+        folder.samples<std::int8_t>("t.bil", {-1, 10, -128, 127});
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA -1\n");
+        const auto terrain = demo::read_terrain(folder / "t.bil");
+        check_heights(terrain, {hole, 10, -128, 127});
+        CHECK(says(terrain, "integers with a sign, for t.hdr has no PIXELTYPE, but a NODATA of -1"));
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 8\nPIXELTYPE SIGNEDINT\n");
+        check_heights(demo::read_terrain(folder / "t.bil"), {-1, 10, -128, 127});
+        CHECK_FALSE(says(demo::read_terrain(folder / "t.bil"), "sign"));
+    }
+    SECTION("none without it") {
         folder.samples<std::uint16_t>("t.bil", {65535, 10, 40000, 9});
         folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 16\nNODATA 9\n");
         const auto terrain = demo::read_terrain(folder / "t.bil");
         check_heights(terrain, {65535, 10, 40000, hole});
         CHECK(says(terrain, "without a sign, for t.hdr has no PIXELTYPE"));
         folder.samples<std::uint8_t>("t.bil", {255, 10, 128, 9});
-        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA -1\n");
-        check_heights(demo::read_terrain(folder / "t.bil"), {255, 10, 128, 9});
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA 9\n");
+        check_heights(demo::read_terrain(folder / "t.bil"), {255, 10, 128, hole});
     }
     SECTION("what PIXELTYPE says goes before") {
         folder.samples<std::uint16_t>("t.bil", {65535, 10, 40000, 9});
@@ -131,6 +148,43 @@ TEST_CASE("touch_terrain bil: without PIXELTYPE, a negative NODATA means a sign"
         check_heights(terrain, {65535, 10, 40000, 9});
         CHECK_FALSE(says(terrain, "PIXELTYPE"));
     }
+}
+
+TEST_CASE("touch_terrain bil: a NODATA that no sample can be is not dropped silently", "[touch_terrain]") {
+    const Folder folder;
+    const auto said = [&](int bits, const std::string& type, const std::string& no_data) {
+        folder.samples<std::uint8_t>("t.bil", std::vector<std::uint8_t>(static_cast<std::size_t>(bits) / 2));
+        folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS " + std::to_string(bits) + "\nPIXELTYPE " + type +
+                                 "\nNODATA " + no_data + "\n");
+        const auto terrain = demo::read_terrain(folder / "t.bil");
+        CHECK(std::isnan(height(terrain, 0, 0)) == (no_data == "0"));
+        for (const std::string& sentence : terrain.assumed) {
+            if (contains(sentence, "no data")) return sentence;
+        }
+        return std::string{};
+    };
+    CHECK(said(8, "UNSIGNEDINT", "-1") ==
+          "no sample is \"no data\", for t.hdr says that it is -1, which no sample of type uint8 can be");
+    CHECK(contains(said(8, "UNSIGNEDINT", "256"), "uint8"));
+    CHECK(contains(said(8, "SIGNEDINT", "-9999"), "-9999, which no sample of type int8"));
+    CHECK(contains(said(16, "UNSIGNEDINT", "-9999"), "uint16"));
+    CHECK(contains(said(16, "SIGNEDINT", "65535"), "int16"));
+    CHECK(contains(said(16, "SIGNEDINT", "2.5"), "int16"));
+    CHECK(contains(said(32, "UNSIGNEDINT", "4294967296"), "uint32"));
+    CHECK(contains(said(32, "SIGNEDINT", "-3.4e38"), "-3.4e38, which no sample of type int32"));
+    CHECK(contains(said(32, "FLOAT", "-1e300"), "float32"));
+    for (const std::string value : {"0", "200", "nan"}) {
+        CHECK(said(32, "FLOAT", value).empty());
+        CHECK(said(64, "FLOAT", value).empty());
+        CHECK(said(8, "UNSIGNEDINT", value).empty() == (value != "nan"));
+    }
+    CHECK(said(64, "FLOAT", "-1e300").empty());
+    CHECK(said(32, "FLOAT", "-3.402824e+38").empty()); // the lowest float in too few digits
+    folder.samples<std::int8_t>("t.bil", {-1, 2, -3, 4});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNODATA -9999\n"); // two sentences
+    check_heights(demo::read_terrain(folder / "t.bil"), {-1, 2, -3, 4});
+    CHECK(says(demo::read_terrain(folder / "t.bil"), "integers with a sign"));
+    CHECK(says(demo::read_terrain(folder / "t.bil"), "which no sample of type int8 can be"));
 }
 
 TEST_CASE("touch_terrain bil: lines that begin with no known key are comments", "[touch_terrain]") {
@@ -320,6 +374,98 @@ TEST_CASE("touch_terrain map: degrees become metres at the middle latitude", "[t
     }
 }
 
+TEST_CASE("touch_terrain map: Mercator metres become metres on the ground", "[touch_terrain]") {
+    // At 60° Web Mercator has y = 8,399,737.89 and lengths twice as long, World Mercator, of the ellipsoid, y = 8,362,698.55
+    // and lengths 1/0.501260 times as long (PROJ).
+    const std::string parameters =
+        R"(PARAMETER["False_Easting",0.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",0.0])";
+    const auto projected = [&](const std::string& projection, const std::string& unit = R"("Meter",1.0)") {
+        return R"(PROJCS["x",)" + wgs84 + ",PROJECTION[\"" + projection + "\"]," + parameters + ",UNIT[" +
+               unit + "]]";
+    };
+    const auto at = [&](const std::string& map, double y, std::vector<std::string>* assumed = nullptr) {
+        const auto units = demo::read_map_units(map);
+        REQUIRE(units);
+        std::vector<std::string> said;
+        const auto metres = demo::spacing_on_map(*units, {{10, 20}, y, y}, "t", said);
+        if (assumed != nullptr) *assumed = said;
+        return metres;
+    };
+    const double web = 8399737.88981836, world = 8362698.54850075;
+    std::vector<std::string> assumed;
+    for (
+        const std::string& map :
+        {projected("Mercator_Auxiliary_Sphere"), projected("Popular_Visualisation_Pseudo_Mercator"),
+         with_extension(projected("Mercator_1SP")), with_extension(projected("Mercator_2SP")),
+         std::string{
+             R"(PROJCRS["WGS 84 / Pseudo-Mercator",BASEGEOGCRS["WGS 84",DATUM["W",ELLIPSOID["WGS 84",6378137,)"
+             R"(298.257223563,LENGTHUNIT["metre",1]]]],CONVERSION["Popular Visualisation Pseudo-Mercator",)"
+             R"(METHOD["Popular Visualisation Pseudo Mercator",ID["EPSG",1024]],PARAMETER["False northing",0,)"
+             R"(LENGTHUNIT["metre",1],ID["EPSG",8807]]],CS[Cartesian,2],AXIS["E",east,ORDER[1],)"
+             R"(LENGTHUNIT["metre",1]],AXIS["N",north,ORDER[2],LENGTHUNIT["metre",1]],ID["EPSG",3857]])"},
+         // The sphere itself (ESRI's 102113).
+         std::string{
+             R"(PROJCS["WGS_1984_Web_Mercator",GEOGCS["GCS_Sphere",DATUM["D",SPHEROID["S",6378137.0,0.0]],)"
+             R"(PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],PROJECTION["Mercator"],)"
+             R"(PARAMETER["Standard_Parallel_1",0.0],UNIT["Meter",1.0]])"}}) {
+        CAPTURE(map);
+        CHECK(at(map, web, &assumed).x == Approx(5).epsilon(1e-9));
+        CHECK(at(map, -web).y == Approx(10).epsilon(1e-9));
+        REQUIRE(assumed.size() == 1);
+        CHECK(contains(assumed[0], "Mercator metres"));
+        CHECK(contains(assumed[0], "latitude, 60 "));
+        CHECK(contains(assumed[0], "--spacing"));
+        CHECK(at(map, 0).x == 10);
+        CHECK(contains(refusal([&] { return at(map, 1e9); }), "--spacing"));
+    }
+    CHECK(at(projected("Mercator"), world, &assumed).x == Approx(5.01260).epsilon(1e-5));
+    CHECK(contains(assumed[0], "latitude, 60 "));
+    CHECK(at(projected("Mercator", R"("Foot_US",0.3048006096012192)"), world / 0.3048006096012192).y ==
+          Approx(0.3048006096012192 * 10.0252).epsilon(1e-5));
+    // True at 45° and shifted by 1000 m: PROJ has 60° at 5,924,242.27.
+    const std::string shifted = R"(PROJCS["x",)" + wgs84 +
+                                R"(,PROJECTION["Mercator_2SP"],PARAMETER["standard_parallel_1",45],)"
+                                R"(PARAMETER["false_northing",1000],UNIT["metre",1]])";
+    CHECK(at(shifted, 5924242.27047337, &assumed).x == Approx(10 * 55.8000 / 78.8468).epsilon(1e-5));
+    CHECK(contains(assumed[0], "latitude, 60 "));
+    // The other maps on which all parallels are as long as the equator; the sphere is right to 1 %.
+    CHECK(at(projected("Plate_Carree"), 6679169.4476, &assumed).x == Approx(5).epsilon(1e-6));
+    CHECK(contains(assumed[0], "equidistant cylindrical metres"));
+    CHECK(at(projected("Plate_Carree"), 6679169.4476).y == 20);
+    const auto equal_area =
+        at(R"(PROJCS["x",)" + wgs84 +
+               R"(,PROJECTION["Cylindrical_Equal_Area"],PARAMETER["standard_parallel_1",30],)"
+               R"(UNIT["metre",1]])",
+           6351419.9973);
+    CHECK(equal_area.x == Approx(10 * 55.800 / 96.4865).epsilon(0.012));
+    CHECK(equal_area.y == Approx(20 * 111.4122 / 64.4313).epsilon(0.012));
+    // Transverse and conic maps are as long as the ground to a few in a thousand.
+    CHECK(at(state_plane(R"("Meter",1.0)"), web, &assumed) == glm::dvec2{10, 20});
+    CHECK(assumed.empty());
+}
+
+TEST_CASE("touch_terrain bil: depths of the vertical system lie below", "[touch_terrain]") {
+    const Folder folder;
+    folder.samples<std::int16_t>("t.bil", {1, 2, 3, 4});
+    folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 16\nPIXELTYPE SIGNEDINT\nXDIM 1\nYDIM 1\n");
+    const std::string metre = R"(UNIT["Meter",1.0])", map = state_plane(R"("Meter",1.0)");
+    for (const std::string& vertical :
+         {R"(,VERTCS["MSL_Depth",VDATUM["x"],PARAMETER["Vertical_Shift",0.0],PARAMETER["Direction",-1.0],)" +
+              metre + "]",
+          R"(,VERT_CS["x",VERT_DATUM["x",2005],)" + metre + R"(,AXIS["Depth",DOWN]])"}) {
+        CAPTURE(vertical);
+        folder.text("t.prj", map + vertical);
+        const auto terrain = demo::read_terrain(folder / "t.bil");
+        check_heights(terrain, {-1, -2, -3, -4});
+        CHECK(says(terrain, "samples are depths"));
+        check_heights(demo::read_terrain(folder / "t.bil", {.unit = 0.5}), {-0.5, -1, -1.5, -2});
+    }
+    folder.text("t.prj", map + R"(,VERTCS["x",VDATUM["x"],PARAMETER["Direction",1.0],)" + metre + "]");
+    check_heights(demo::read_terrain(folder / "t.bil"), {1, 2, 3, 4});
+    folder.text("t.prj", map + R"(,VERT_CS["x",VERT_DATUM["x",2005],)" + metre + R"(,AXIS["Up",UP]])");
+    check_heights(demo::read_terrain(folder / "t.bil"), {1, 2, 3, 4});
+}
+
 TEST_CASE("touch_terrain bil: a .prj says what the spacing is in", "[touch_terrain]") {
     const Folder folder;
     folder.samples<std::int16_t>("t.bil", {1, 2, 3, 4, 5, 6, 7, 8, 9});
@@ -366,6 +512,23 @@ TEST_CASE("touch_terrain bil: a .prj says what the spacing is in", "[touch_terra
         CHECK(height(read(), 0, 2) == 0.3048);
         CHECK_FALSE(says(read(), "heights"));
         CHECK(height(read({.unit = 1.0}), 0, 2) == 1);
+    }
+    SECTION("Web Mercator, whose metres are not those of the ground") {
+        const std::string mercator = R"(PROJCS["WGS_1984_Web_Mercator_Auxiliary_Sphere",)" + wgs84 +
+                                     R"(,PROJECTION["Mercator_Auxiliary_Sphere"],UNIT["Meter",1.0]])";
+        folder.text("t.prj", mercator);
+        folder.text("t.hdr", header + "XDIM 30\nYDIM 30\nULYMAP 8399767.88981836\n");
+        CHECK(read().spacing->x == Approx(15).epsilon(1e-9));
+        CHECK(read().spacing->y == Approx(15).epsilon(1e-9));
+        CHECK(
+            says(read(), "Mercator metres are turned into those on the ground at the middle latitude, 60 "));
+        CHECK(read({.spacing = glm::dvec2{7, 8}}).spacing == glm::dvec2{7, 8});
+        CHECK_FALSE(says(read({.spacing = glm::dvec2{7, 8}}), "Mercator"));
+        folder.text("t.hdr", header + "CELLSIZE 30\n");
+        CHECK(contains(refusal(read), "--spacing"));
+        CHECK(contains(refusal(read), "ULYMAP"));
+        folder.text("t.prj", "Projection MERCATOR\nUnits METERS\nParameters\n");
+        CHECK(contains(refusal(read), "--spacing"));
     }
     SECTION("something that is not understood: refused, unless --spacing says it") {
         folder.text("t.prj", "EPSG:4326");

@@ -1,8 +1,10 @@
 #include "catch.hpp"
+#include "support/skip.hpp"
 #include "touch_terrain_files.hpp"
 
 #include <output_file.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <set>
 
@@ -34,26 +36,43 @@ public:
     }
 };
 
-bool has_gnuplot() {
-    if (std::system("command -v gnuplot >/dev/null 2>&1") == 0) return true;
-    WARN("gnuplot is not installed");
-    return false;
+// No file may be larger than 4 KiB (in blocks of 512 or 1024 bytes); the default of the signal would end the program.
+const std::string small_files_only = "ulimit -f 4;";
+
+/// An output that would go where the program prints is refused, into a file and into a pipe.
+void check_that_streams_are_refused(const std::string& output) {
+    const FlatFolder folder;
+    for (const std::string target : {"/dev/stdout", "/dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
+        CAPTURE(target, output);
+        const std::string arguments = "t.bil --path p.csv " + output + " " + target;
+        const Run to_file = folder.run(arguments);
+        CHECK(to_file.code == 2);
+        CHECK(to_file.out.empty());
+        CHECK(contains(to_file.err, target + " cannot be written: "));
+        const Run to_pipe =
+            folder.run_program("/bin/bash", std::string{"-c \"set -o pipefail; '"} + HFH_TOUCH_TERRAIN +
+                                                "' " + arguments + " 2>&1 | cat\"");
+        CHECK(to_pipe.code == 2);
+        CHECK(contains(to_pipe.out, target + " cannot be written: "));
+    }
 }
 
 } // namespace
 
-TEST_CASE("touch_terrain: a picture or record that does not fit is an error, and no file",
-          "[touch_terrain]") {
+TEST_CASE("touch_terrain: a record that does not fit is an error, and no file", "[touch_terrain]") {
     const FlatFolder folder;
     const auto before = folder.listing();
-    // No file may be larger than 4 KiB (in blocks of 512 or 1024 bytes); the default of the signal would end the program.
-    const std::string limit = "ulimit -f 4;";
-    const Run record = folder.run("t.bil --record out.csv", limit);
+    const Run record = folder.run("t.bil --record out.csv", small_files_only);
     CHECK(record.code == 2);
     CHECK(contains(record.err, "out.csv cannot be written: File too large.\n"));
     CHECK(folder.listing() == before);
-    if (!has_gnuplot()) return;
-    const Run picture = folder.run("t.bil --picture out.png", limit);
+}
+
+TEST_CASE("touch_terrain: a picture that does not fit is an error, and no file", "[touch_terrain]") {
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
+    const FlatFolder folder;
+    const auto before = folder.listing();
+    const Run picture = folder.run("t.bil --picture out.png", small_files_only);
     CHECK(picture.code == 2);
     CHECK(contains(picture.err, "out.png cannot be written: File too large.\n"));
     CHECK(folder.listing() == before);
@@ -148,23 +167,157 @@ TEST_CASE("touch_terrain: standard output that is closed, full or read by nobody
 }
 
 TEST_CASE("touch_terrain: a record does not take the place of what the program prints", "[touch_terrain]") {
-    const FlatFolder folder;
-    for (const std::string target : {"/dev/stdout", "/dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
-        for (const std::string arguments : {"--record ", "--picture "}) {
-            if (arguments == "--picture " && !has_gnuplot()) continue;
-            CAPTURE(target, arguments);
-            const Run to_file = folder.run("t.bil --path p.csv " + arguments + target);
-            CHECK(to_file.code == 2);
-            CHECK(to_file.out.empty());
-            CHECK(contains(to_file.err, target + " cannot be written: "));
-            const Run to_pipe = folder.run_program(
-                "/bin/bash", std::string{"-c \"set -o pipefail; '"} + HFH_TOUCH_TERRAIN +
-                                 "' t.bil --path p.csv " + arguments + target + " 2>&1 | cat\"");
-            CHECK(to_pipe.code == 2);
-            CHECK(contains(to_pipe.out, target + " cannot be written: "));
+    check_that_streams_are_refused("--record");
+}
+
+TEST_CASE("touch_terrain: a picture does not take the place of what the program prints", "[touch_terrain]") {
+    if (hfh::test::has_program_or_skip("gnuplot")) check_that_streams_are_refused("--picture");
+}
+
+namespace {
+
+/// `outputs` are refused for `terrain` in a sentence, and nothing changes; `free` is written.
+void check_refused(const Folder& folder, const std::string& terrain, const std::vector<std::string>& outputs,
+                   const std::string& free) {
+    const auto before = folder.listing();
+    for (const std::string& output : outputs) {
+        for (const std::string option : {"--record", "--picture"}) {
+            if (option == "--picture" && !hfh::test::has_program("gnuplot"))
+                continue; // records are refused all the same
+            const Run run = folder.run(terrain + " --device none " + option + " " + output);
+            CAPTURE(terrain, option, output, run.err);
+            CHECK(run.code == 2);
+            CHECK(run.out.empty());
+            CHECK(contains(run.err, option));
+            CHECK(contains(run.err, output));
+            CHECK(std::ranges::count(run.err, '\n') == 1);
+            CHECK(folder.listing() == before);
         }
     }
+    const Run run = folder.run(terrain + " --device none --record " + free);
+    CAPTURE(terrain, free, run.err);
+    CHECK(run.code == 0);
+    CHECK(contents(folder / free).starts_with("t,x,y,z"));
 }
+
+} // namespace
+
+TEST_CASE("touch_terrain: an output is refused in the place of a terrain's files, whatever their names",
+          "[touch_terrain]") {
+    const FlatFolder folder;
+    folder.text("free.csv", "what was there before");
+    fs::create_directory(folder / "other");
+    fs::copy(folder / "t.bil", folder / "other/h.txt");
+    fs::rename(folder / "t.hdr", folder / "other/h.hdr");
+    fs::create_symlink("other/h.hdr", folder / "t.hdr");
+    fs::create_symlink("t.bil", folder / "link.csv");
+    fs::create_hard_link(folder / "t.bil", folder / "hard.csv");
+    fs::create_symlink("t.hdr", folder / "header.csv");
+    folder.text("t.prj", " ");
+    folder.text("t.bil.HDR", "another");
+    check_refused(folder, "t.bil",
+                  {"t.bil", "./t.bil", "other/../t.bil", "link.csv", "hard.csv", "t.hdr", "header.csv",
+                   "other/h.hdr", "t.prj", "t.bil.HDR"},
+                  "free.csv");
+    // Through a link to the terrain: what lies beside either.
+    fs::create_symlink("../t.bil", folder / "other/u.bil");
+    fs::create_symlink("h.hdr", folder / "other/u.hdr");
+    check_refused(folder, "other/u.bil", {"t.bil", "other/u.bil", "other/h.hdr", "other/u.hdr", "t.prj"},
+                  "free.csv");
+    // A name that only begins in the same way is another's.
+    folder.text("t2.hdr", "not of t.bil");
+    check_refused(folder, "t.bil", {}, "t2.hdr");
+    // Path and outputs too.
+    fs::create_hard_link(folder / "p.csv", folder / "q.csv");
+    CHECK(folder.run("t.bil --path p.csv --record q.csv").code == 2);
+    CHECK(contents(folder / "p.csv").starts_with("t,x,y,z\n0,1,1,1"));
+}
+
+TEST_CASE("touch_terrain: an output is refused in the place of the bundled terrain", "[touch_terrain]") {
+    const FlatFolder folder;
+    const std::string bundled = HFH_SOURCE_DIR "/examples/data/spanish_peaks.png";
+    const std::string before = contents(bundled);
+    fs::create_symlink(bundled, folder / "out.csv");
+    const Run run = folder.run("--path p.csv --record out.csv");
+    CHECK(run.code == 2);
+    const bool kept = contents(bundled) == before;
+    CHECK(kept);
+    if (!kept) std::ofstream{bundled, std::ios::binary} << before;
+}
+
+#ifdef TOUCH_TERRAIN_HAS_GDAL
+
+TEST_CASE("touch_terrain gdal: an output is refused in the place of a virtual raster's sources",
+          "[touch_terrain][gdal]") {
+    const FlatFolder folder;
+    const std::string grid = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n";
+    fs::create_directory(folder / "deep");
+    folder.text("deep/a.asc", grid);
+    folder.text("deep/mask.asc", grid);
+    folder.text("free.csv", "what was there before");
+    const auto raster = [](const std::string& source, const std::string& mask = "") {
+        const auto band = [](const std::string& file, const std::string& attributes,
+                             const std::string& type) {
+            return "<VRTRasterBand dataType=\"" + type + "\"" + attributes +
+                   "><SimpleSource><SourceFilename relativeToVRT=\"1\">" + file +
+                   "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>";
+        };
+        return "<VRTDataset rasterXSize=\"2\" rasterYSize=\"2\">" + band(source, " band=\"1\"", "Int32") +
+               (mask.empty() ? "" : "<MaskBand>" + band(mask, "", "Byte") + "</MaskBand>") + "</VRTDataset>";
+    };
+    folder.text("deep/inner.xml", raster("a.asc", "mask.asc"));
+    folder.text("t.vrt", raster("deep/inner.xml"));
+    folder.text("t.vrt.aux.xml", "<PAMDataset/>");
+    fs::create_symlink("deep/a.asc", folder / "a.csv");
+    check_refused(folder, "t.vrt",
+                  {"t.vrt", "deep/inner.xml", "deep/a.asc", "deep/mask.asc", "a.csv", "t.vrt.aux.xml"},
+                  "free.csv");
+    // A source by a name that is more than that of a file.
+    folder.text("u.vrt", raster("/vsisubfile/0," + (folder / "deep/a.asc").string()));
+    check_refused(folder, "u.vrt", {"u.vrt", "deep/a.asc"}, "free.csv");
+}
+
+TEST_CASE("touch_terrain gdal: an output is refused in the place of the file that holds the terrain",
+          "[touch_terrain][gdal]") {
+    const FlatFolder folder;
+    folder.text("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+    folder.text("free.csv", "what was there before");
+    fs::create_symlink("a.asc", folder / "link.csv");
+    const std::string here = (folder / "a.asc").string();
+    check_refused(folder, "/vsisubfile/0,a.asc", {"a.asc", here, "link.csv"}, "free.csv");
+    check_refused(folder, "/vsisubfile/0," + here, {"a.asc", "link.csv"}, "free.csv");
+
+    // An archive: one stored file and the list of it.
+    const std::string data = contents(folder / "a.asc");
+    const std::string zip = zip_of("b.asc", data);
+    folder.text("z.zip", zip);
+    fs::create_directory(folder / "dir");
+    folder.text("dir/z.zip", zip);
+    folder.text("b.asc", "what was there before");
+    for (const std::string name : {"/vsizip/z.zip/b.asc", "/vsizip/z.zip", "/vsizip/{z.zip}/b.asc",
+                                   "/vsizip/./z.zip/b.asc", "/vsisubfile/0,/vsizip/z.zip/b.asc"})
+        check_refused(folder, "'" + name + "'", {"z.zip", "dir/../z.zip"}, "free.csv");
+    check_refused(folder, "/vsizip/dir/z.zip/b.asc", {"dir/z.zip"},
+                  "b.asc"); // another b.asc than that inside
+}
+
+TEST_CASE("touch_terrain gdal: an output is refused in the place of a database of rasters",
+          "[touch_terrain][gdal]") {
+    if (!hfh::test::has_program_or_skip("gdal_translate")) return;
+    const FlatFolder folder;
+    folder.text("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+    folder.text("free.csv", "what was there before");
+    if (folder
+            .run_program("/bin/sh",
+                         "-c 'gdal_translate -q -ot Float32 -a_srs EPSG:3857 -of GPKG a.asc g.gpkg'")
+            .code != 0)
+        return hfh::test::skip("this GDAL writes no GeoPackage");
+    check_refused(folder, "g.gpkg", {"g.gpkg"}, "free.csv");
+    check_refused(folder, "GPKG:g.gpkg:g", {"g.gpkg", "./g.gpkg"}, "free.csv");
+    check_refused(folder, "'GPKG:" + (folder / "g.gpkg").string() + ":g'", {"g.gpkg"}, "free.csv");
+}
+
+#endif // TOUCH_TERRAIN_HAS_GDAL
 
 TEST_CASE("touch_terrain: a pipe or a device is no terrain, and nobody waits for it", "[touch_terrain]") {
     const FlatFolder folder;
@@ -222,9 +375,13 @@ TEST_CASE("touch_terrain: the built-in stroke gets over walls without pressing a
         const double contact = std::stod(run.out.substr(run.out.find("in contact") + 16));
         CHECK(contact > 60);
     }
-    const std::string scan = HFH_SHARED_DATA_DIR "/kinect_boxes.bil";
-    if (!fs::exists(scan)) return;
-    const Run run = folder.run("'" + scan + "' --unit mm");
+}
+
+TEST_CASE("touch_terrain: the built-in stroke gets over the walls of a depth camera's scan",
+          "[touch_terrain][real]") {
+    const auto scan = hfh::test::shared_file_or_skip("kinect_boxes.bil");
+    if (!scan) return;
+    const Run run = Folder{}.run("'" + *scan + "' --unit mm");
     CHECK(contains(run.out, "every 0.0019 x 0.0019 m"));
     CHECK(contains(run.out, "\nguard           clamped 0 updates"));
 }

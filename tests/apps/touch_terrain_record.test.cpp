@@ -1,4 +1,5 @@
 #include "catch.hpp"
+#include "support/skip.hpp"
 #include "touch_terrain_files.hpp"
 
 #include <algorithm>
@@ -346,12 +347,12 @@ TEST_CASE("touch_terrain: behind a hole that it fell into the hand comes up and 
 
 TEST_CASE("touch_terrain: on a terrain full of holes the hand is never below the surface for long",
           "[touch_terrain][real]") {
-    const std::string file = HFH_SHARED_DATA_DIR "/swissalps_voids.bil";
-    if (!fs::exists(file)) return;
+    const auto file = hfh::test::shared_file_or_skip("swissalps_voids.bil");
+    if (!file) return;
     const Folder folder;
     const std::string device = GENERATE("touch", "premium");
     CAPTURE(device);
-    REQUIRE(folder.run("'" + file + "' --record out.csv --device " + device).code == 0);
+    REQUIRE(folder.run("'" + *file + "' --record out.csv --device " + device).code == 0);
     std::size_t touching = 0, buried = 0, longest = 0;
     for (const Row& row : rows_of(contents(folder / "out.csv"))) {
         touching += row.contact;
@@ -400,13 +401,19 @@ TEST_CASE("touch_terrain: a recorded path replayed gives the same record", "[tou
     folder.text("path.csv", path_in(first));
     REQUIRE(folder.run("--path path.csv --record second.csv").code == 0);
     CHECK((contents(folder / "second.csv") == first));
+}
 
-    const fs::path bil = HFH_SHARED_DATA_DIR "/spanish_peaks.bil"; // the same heights from a mapped file
-    if (!fs::exists(bil)) return;
-    REQUIRE(
-        folder.run("'" HFH_SHARED_DATA_DIR "/spanish_peaks.bil' --path path.csv --record third.csv").code ==
-        0);
-    CHECK((contents(folder / "third.csv") == first));
+TEST_CASE(
+    "touch_terrain: a recorded path replayed gives the same record from a mapped file of the same heights",
+    "[touch_terrain]") {
+    const auto bil = hfh::test::shared_file_or_skip("spanish_peaks.bil");
+    if (!bil) return;
+    const Folder folder;
+    REQUIRE(folder.run("--device none --record first.csv").code == 0);
+    const std::string first = contents(folder / "first.csv");
+    folder.text("path.csv", path_in(first));
+    REQUIRE(folder.run("'" + *bil + "' --path path.csv --record second.csv").code == 0);
+    CHECK((contents(folder / "second.csv") == first));
 }
 
 TEST_CASE("touch_terrain: north is up and y, whatever the file", "[touch_terrain]") {
@@ -450,11 +457,8 @@ TEST_CASE("touch_terrain: prints its summary and keeps nothing beside the height
 }
 
 TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terrain]") {
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
     const Folder folder;
-    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
-        WARN("gnuplot is not installed");
-        return;
-    }
     const Run run = folder.run("--picture \"it's a picture.png\"");
     CAPTURE(run.err);
     REQUIRE(run.code == 0);
@@ -468,11 +472,8 @@ TEST_CASE("touch_terrain: draws a picture of the built-in stroke", "[touch_terra
 }
 
 TEST_CASE("touch_terrain: draws a picture of every odd path and terrain", "[touch_terrain]") {
+    if (!hfh::test::has_program_or_skip("gnuplot")) return;
     const Folder folder;
-    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
-        WARN("gnuplot is not installed");
-        return;
-    }
     folder.samples<float>("t.bil", {0, 0, 0, 0});
     folder.text("t.hdr", "NROWS 2\nNCOLS 2\nNBITS 32\nPIXELTYPE FLOAT\nNODATA 7\n");
     folder.text("one.csv", "t,x,y,z\n5,0.5,0.5,1\n");

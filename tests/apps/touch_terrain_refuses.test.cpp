@@ -179,7 +179,9 @@ TEST_CASE("touch_terrain: refuses a header without a needed key, or with a value
     folder.refuses_header(with(good_header, "NROWS 3", "NROWS 1"), {"t.hdr", "4 x 1", "at least 2 x 2"});
     folder.refuses_header(with(good_header, "NROWS 3", "NROWS 4"), {"t.bil", "24 bytes", "32"});
     folder.refuses_header(with(good_header, "NBITS 16", "NBITS 12"), {"t.hdr, line 3", "NBITS", "'12'"});
-    folder.refuses_header(with(good_header, "NBITS 16", "NBITS 8"), {"t.hdr, line 4", "PIXELTYPE", "int16"});
+    folder.refuses_header(with(with(good_header, "NBITS 16", "NBITS 8"), "SIGNEDINT", "FLOAT"),
+                          {"t.hdr, line 4", "PIXELTYPE", "int16"});
+    folder.refuses_header(with(good_header, "NBITS 16", "NBITS 64"), {"t.hdr, line 4", "PIXELTYPE", "int16"});
     folder.refuses_header(with(good_header, "SIGNEDINT", "COMPLEX"), {"t.hdr, line 4", "'COMPLEX'", "FLOAT"});
     folder.refuses_header(with(good_header, "SIGNEDINT", "FLOAT"), {"t.hdr, line 4", "'FLOAT'", "float32"});
     folder.refuses_header(good_header + "NROWS 3\n", {"t.hdr, line 8", "NROWS", "second time"});

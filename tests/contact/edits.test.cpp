@@ -220,8 +220,9 @@ TEMPLATE_TEST_CASE("edits: ground that is raised over a free stylus touches it, 
     }
 }
 
-TEMPLATE_TEST_CASE("edits: a surface that is taken away lets go, and one that comes back is met anew",
-                   "[edits]", float, double) {
+TEMPLATE_TEST_CASE(
+    "edits: a surface that is taken away releases the stylus, and one that comes back is touched anew",
+    "[edits]", float, double) {
     using T = TestType;
     auto ground = plane<T>(9, 9);
     const auto grid = ground.grid();
@@ -348,9 +349,9 @@ TEMPLATE_TEST_CASE("edits: whatever is edited at random, a guard holds its limit
     }
 }
 
-TEMPLATE_TEST_CASE(
-    "edits: a hole lets go by the slew, and ground that fills it over a stylus trips the guard",
-    "[edits][force_guard]", float, double) {
+TEMPLATE_TEST_CASE("edits: over a new hole the force falls by the slew, and ground that fills it over a "
+                   "stylus trips the guard",
+                   "[edits][force_guard]", float, double) {
     using T = TestType;
     EditedTouch<T> touch{plane<T>(9, 9, 0, five_millimetres), {T(0.021), T(0.022), T(0.001)}};
     for (int n = 0; n < 500; ++n) (void)touch.step();

@@ -253,20 +253,119 @@ TEMPLATE_TEST_CASE("Friction: with a jitter inside the cone the anchor stays to 
     }
 }
 
+/// Friction on one terrain under a hand, each update judged by what the cone of Coulomb holds.
+template <Real T>
+class FrictionWitness {
+public:
+    struct Counts {
+        int held = 0, slipped = 0, in_creases = 0;
+        int late = 0; ///< slips past a point that held
+    };
+
+    FrictionWitness(const Terrain<T>& ground, SurfaceKind kind)
+        : surface_{ground}, grid_{ground.grid()}, tracker_{grid_, {.surface = kind}} {}
+    FrictionWitness(const FrictionWitness&) = delete;
+    FrictionWitness& operator=(const FrictionWitness&) = delete;
+
+    void update(const vec3<T>& at, Counts& counts) {
+        const FrictionState<T> before = friction_.state();
+        const auto free = tracker_.update(at);
+        const auto contact = friction_.hold(grid_, free, at);
+        const auto& after = friction_.state();
+        REQUIRE(contact.status == free.status);
+        REQUIRE(contact.normal == free.normal);
+        if (!contact.touching()) {
+            REQUIRE(after.side == Side::none);
+            REQUIRE(contact.proxy == free.proxy);
+            return;
+        }
+        REQUIRE(after.side == contact.side);
+        REQUIRE(same(contact.point, after.anchor));
+        const Point q = wide(at), anchor = surface_.position(wide(after.anchor)), push = anchor - q;
+        const Wide eps = static_cast<Wide>(epsilon<T>);
+        const Wide blur = 32 * eps *
+                          (std::abs(anchor.z) + std::abs(q.x) + std::abs(q.y) + length(push) +
+                           surface_.patch(after.anchor.cell.i, after.anchor.cell.j)->reach({}));
+        REQUIRE(length(wide(contact.proxy) - anchor) <= blur);
+        if (same(after.anchor, free.point)) { // nothing held it, or nothing had to
+            REQUIRE(contact.penetration == free.penetration);
+            return;
+        }
+        REQUIRE(length(wide(contact.penetration) - push) <= blur);
+        REQUIRE(std::abs(static_cast<Wide>(contact.depth) - length(wide(contact.penetration))) <=
+                8 * eps * length(push));
+        // Never into the surface, and inside the cone that applies.
+        const Wide lean = tangent(surface_, after.anchor, push, after.side);
+        const Wide most = static_cast<Wide>(after.slipping || before.slipping ? sliding : at_rest);
+        const Wide slack = blur / length(push) * (1 + most) * 4;
+        REQUIRE(lean <= most + slack);
+        if (!after.slipping) {
+            ++counts.held;
+            REQUIRE(same(before.anchor, after.anchor));
+        } else {
+            ++counts.slipped;
+            judge_slip(before.anchor, after, free.point, q, blur, counts);
+        }
+    }
+
+private:
+    static constexpr T at_rest = T(0.625), sliding = T(0.375);
+
+    /// On the straight way in plan from one anchor to the next, or on one that bends at the crease in which the proxy is.
+    void judge_slip(const SurfacePoint<T>& before, const FrictionState<T>& after,
+                    const SurfacePoint<T>& proxy, const Point& q, Wide blur, Counts& counts) const {
+        const Wide eps = static_cast<Wide>(epsilon<T>);
+        const Point anchor = surface_.position(wide(after.anchor));
+        const Point a = surface_.position(wide(before)), b = surface_.position(wide(proxy));
+        const Wide dx = b.x - a.x, dy = b.y - a.y, way = std::hypot(dx, dy);
+        const Wide off = std::abs((anchor.x - a.x) * dy - (anchor.y - a.y) * dx) / way;
+        const bool straight = off <= blur + 32 * eps * way;
+        const auto within = [blur](Wide k, Wide p, Wide r) {
+            return std::min(p, r) - blur <= k && k <= std::max(p, r) + blur;
+        };
+        const bool bent = (at_end(double(proxy.u)) || at_end(double(proxy.v))) &&
+                          within(anchor.x, a.x, b.x) && within(anchor.y, a.y, b.y);
+        REQUIRE((straight || bent));
+        counts.in_creases += !straight;
+        const Wide gone = straight ? ((anchor.x - a.x) * dx + (anchor.y - a.y) * dy) / (way * way) : Wide(0);
+        REQUIRE(gone <= 1 + blur);
+        counts.late += holds_before(a, dx, dy, gone, q, after.side);
+    }
+
+    /// Whether a point before `gone` of the way a → a + (dx, dy) has the stylus inside the dynamic cone; 64 are looked at.
+    [[nodiscard]] bool holds_before(const Point& a, Wide dx, Wide dy, Wide gone, const Point& q,
+                                    Side side) const {
+        for (int k = 0; k < 64; ++k) {
+            const Wide t = (Wide(k) + Wide(0.5L)) / 64;
+            if (t >= gone - Wide(1e-3L)) break;
+            const auto s = surface_.under(a.x + t * dx, a.y + t * dy);
+            if (!s) continue;
+            const Point push_there = surface_.position(*s) - q;
+            const Point normal = surface_.patch(s->i, s->j)->normal(s->u, s->v);
+            const Wide out = dot(push_there, normal) * (side == Side::below ? -1 : 1);
+            if (out > 0 && length(cross(push_there, normal)) <= out * (static_cast<Wide>(sliding) - 1e-3L))
+                return true;
+        }
+        return false;
+    }
+
+    const Surface<T> surface_;
+    const Grid_t<T> grid_;
+    ProxyTracker<Grid_t<T>> tracker_;
+    Friction<T> friction_{{at_rest, sliding}};
+};
+
 TEMPLATE_TEST_CASE(
     "Friction: holds what the cone holds, and moves no farther than to the first point that does",
     "[friction][law]", float, double) {
     using T = TestType;
     for (const bool holes : {false, true}) {
         for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
-            int held = 0, slipped = 0, in_creases = 0, given_up = 0, late = 0;
+            typename FrictionWitness<T>::Counts counts;
             for (auto& scene : scenes<T>()) {
                 if (holes) punch_holes(scene.terrain, 24, 93);
                 const Surface<T> surface{scene.terrain};
-                const auto grid = scene.terrain.grid();
-                ProxyTracker tracker{grid, {.surface = kind}};
-                const T at_rest = T(0.625), sliding = T(0.375);
-                Friction<T> friction{{at_rest, sliding}};
+                FrictionWitness<T> witness{scene.terrain, kind};
                 Random random{94};
                 const glm::dvec2 low = scene.terrain.low(), high = scene.terrain.high(),
                                  cell = scene.terrain.frame.spacing;
@@ -277,89 +376,19 @@ TEMPLATE_TEST_CASE(
                     x = std::clamp(x + step * cell.x * std::cos(heading), low.x, high.x);
                     y = std::clamp(y + step * cell.y * std::sin(heading), low.y, high.y);
                     const auto z = surface.height(Wide(x), Wide(y));
-                    const vec3<T> at{
-                        static_cast<T>(x), static_cast<T>(y),
-                        static_cast<T>(z.value_or(0) +
-                                       Wide(cell.x * (n % 25 == 0 ? 30.0 : random.between(-0.4, 0.02))))};
-                    const auto before = friction.state();
-                    const auto free = tracker.update(at);
-                    const auto contact = friction.hold(grid, free, at);
-                    const auto& after = friction.state();
-                    REQUIRE(contact.status == free.status);
-                    REQUIRE(contact.normal == free.normal);
-                    if (!contact.touching()) {
-                        REQUIRE(after.side == Side::none);
-                        REQUIRE(contact.proxy == free.proxy);
-                        continue;
-                    }
-                    REQUIRE(after.side == contact.side);
-                    REQUIRE(same(contact.point, after.anchor));
-                    const Point q = wide(at), anchor = surface.position(wide(after.anchor)),
-                                push = anchor - q;
-                    const Wide eps = static_cast<Wide>(epsilon<T>);
-                    const Wide blur = 32 * eps *
-                                      (std::abs(anchor.z) + std::abs(q.x) + std::abs(q.y) + length(push) +
-                                       surface.patch(after.anchor.cell.i, after.anchor.cell.j)->reach({}));
-                    REQUIRE(length(wide(contact.proxy) - anchor) <= blur);
-                    if (same(after.anchor, free.point)) { // nothing held it, or nothing had to
-                        REQUIRE(contact.penetration == free.penetration);
-                        given_up += before.side == contact.side;
-                        continue;
-                    }
-                    REQUIRE(length(wide(contact.penetration) - push) <= blur);
-                    REQUIRE(std::abs(static_cast<Wide>(contact.depth) - length(wide(contact.penetration))) <=
-                            8 * eps * length(push));
-                    // Never into the surface, and inside the cone that applies.
-                    const Wide lean = tangent(surface, after.anchor, push, after.side);
-                    const Wide most =
-                        static_cast<Wide>(after.slipping || before.slipping ? sliding : at_rest);
-                    const Wide slack = blur / length(push) * (1 + most) * 4;
-                    REQUIRE(lean <= most + slack);
-                    if (!after.slipping) {
-                        ++held;
-                        REQUIRE(same(before.anchor, after.anchor));
-                    } else {
-                        ++slipped;
-                        // On the straight way in plan, and no point before it, at 64 to a way, holds.
-                        const Point a = surface.position(wide(before.anchor)),
-                                    b = surface.position(wide(free.point));
-                        const Wide dx = b.x - a.x, dy = b.y - a.y, way = std::hypot(dx, dy);
-                        const Wide off = std::abs((anchor.x - a.x) * dy - (anchor.y - a.y) * dx) / way;
-                        const bool straight = off <= blur + 32 * eps * way;
-                        // Or on a way that bends at the crease in which the proxy is.
-                        const auto within = [blur](Wide k, Wide p, Wide r) {
-                            return std::min(p, r) - blur <= k && k <= std::max(p, r) + blur;
-                        };
-                        const bool bent = (at_end(double(free.point.u)) || at_end(double(free.point.v))) &&
-                                          within(anchor.x, a.x, b.x) && within(anchor.y, a.y, b.y);
-                        REQUIRE((straight || bent));
-                        in_creases += !straight;
-                        const Wide gone = straight
-                                              ? ((anchor.x - a.x) * dx + (anchor.y - a.y) * dy) / (way * way)
-                                              : Wide(0);
-                        REQUIRE(gone <= 1 + blur);
-                        bool earlier = false;
-                        for (int k = 0; k < 64; ++k) {
-                            const Wide t = (Wide(k) + Wide(0.5L)) / 64;
-                            if (t >= gone - Wide(1e-3L)) break;
-                            const auto s = surface.under(a.x + t * dx, a.y + t * dy);
-                            if (!s) continue;
-                            const Point push_there = surface.position(*s) - q;
-                            Point normal = surface.patch(s->i, s->j)->normal(s->u, s->v);
-                            const Wide out = dot(push_there, normal) * (after.side == Side::below ? -1 : 1);
-                            earlier = earlier || (out > 0 && length(cross(push_there, normal)) <=
-                                                                 out * (static_cast<Wide>(sliding) - 1e-3L));
-                        }
-                        late += earlier;
-                    }
+                    witness.update(
+                        {static_cast<T>(x), static_cast<T>(y),
+                         static_cast<T>(z.value_or(0) +
+                                        Wide(cell.x * (n % 25 == 0 ? 30.0 : random.between(-0.4, 0.02))))},
+                        counts);
                 }
             }
-            CAPTURE(holes, held, slipped, in_creases, given_up, late);
-            CHECK(held > 500);
-            CHECK(slipped > 500);
-            CHECK(in_creases > 20);
+            CAPTURE(holes, counts.held, counts.slipped, counts.in_creases, counts.late);
+            CHECK(counts.held > 500);
+            CHECK(counts.slipped > 500);
+            CHECK(counts.in_creases > 20);
             // A cone that begins and ends within one cell may be passed over; that is rare.
-            CHECK(late * 1000 <= slipped);
+            CHECK(counts.late * 1000 <= counts.slipped);
         }
     }
 }

@@ -4,6 +4,7 @@
 #include <hfh/contact/friction_cone.hpp>
 
 #include <initializer_list>
+#include <utility>
 
 using namespace hfh;
 using namespace hfh::test;
@@ -70,6 +71,24 @@ TEMPLATE_TEST_CASE("friction_cone: a stylus in front of the surface is outside, 
     }
 }
 
+/// The least and the greatest slopes, along x and along y, of the patches that meet at (u, v) of cell c, from the samples.
+template <Real T>
+std::pair<glm::dvec2, glm::dvec2> slopes_there(const Terrain<T>& ground, Cell c, T u, T v) {
+    glm::dvec2 low{1e9}, high{-1e9};
+    for (int dj = -1; dj <= 1; ++dj) {
+        for (int di = -1; di <= 1; ++di) {
+            const double x = double(u) - di, y = double(v) - dj;
+            if (x < 0 || x > 1 || y < 0 || y > 1) continue;
+            const auto z = [&](int a, int b) { return double(ground.at(c.i + di + a, c.j + dj + b)); };
+            const glm::dvec2 s{(1 - y) * (z(1, 0) - z(0, 0)) + y * (z(1, 1) - z(0, 1)),
+                               (1 - x) * (z(0, 1) - z(0, 0)) + x * (z(1, 1) - z(1, 0))};
+            low = glm::min(low, s);
+            high = glm::max(high, s);
+        }
+    }
+    return {low, high};
+}
+
 TEMPLATE_TEST_CASE("friction_cone: in a crease it takes the nearest of all normals between, by search",
                    "[friction_cone][law]", float, double) {
     using T = TestType;
@@ -91,21 +110,7 @@ TEMPLATE_TEST_CASE("friction_cone: in a crease it takes the nearest of all norma
                                                 static_cast<T>(random.between(-1, 1) * relief),
                                                 static_cast<T>(sign * random.between(0, 1))};
             const auto cone = friction_cone(grid, patch, grid.lattice().locate(stylus, c), {c, u, v}, side);
-            // The slopes of the patches that meet there, from the samples.
-            glm::dvec2 low{1e9}, high{-1e9};
-            for (int dj = -1; dj <= 1; ++dj) {
-                for (int di = -1; di <= 1; ++di) {
-                    const double x = double(u) - di, y = double(v) - dj;
-                    if (x < 0 || x > 1 || y < 0 || y > 1) continue;
-                    const auto z = [&](int a, int b) {
-                        return double(ground.at(c.i + di + a, c.j + dj + b));
-                    };
-                    const glm::dvec2 s{(1 - y) * (z(1, 0) - z(0, 0)) + y * (z(1, 1) - z(0, 1)),
-                                       (1 - x) * (z(0, 1) - z(0, 0)) + x * (z(1, 1) - z(1, 0))};
-                    low = glm::min(low, s);
-                    high = glm::max(high, s);
-                }
-            }
+            const auto [low, high] = slopes_there(ground, c, u, v);
             const glm::dvec3 offset{at - stylus};
             for (const double coefficient : {0.1, 1.0}) {
                 const double wanted = search(offset, low, high, coefficient, sign);

@@ -280,7 +280,7 @@ TEST_CASE("ForceGuard: buried gives zero until it is over, then the ramp", "[for
     CHECK(bench.trips(GuardTrip::buried) == 1);
 }
 
-TEST_CASE("ForceGuard: what the device refused is let go of", "[force_guard]") {
+TEST_CASE("ForceGuard: after a force that the device refused there is none, then the ramp", "[force_guard]") {
     auto bench = warm();
     bench.sample.force_refused = true;
     const auto result = bench.step();

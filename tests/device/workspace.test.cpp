@@ -137,7 +137,7 @@ TEMPLATE_TEST_CASE("Workspace: a clutch holds the terrain position, and nothing 
               Approx(clutch ? 0 : 1000).epsilon(1e-6));
         if (clutch && was) CHECK(static_cast<double>(glm::length(now - held)) <= tolerance<T>(1000));
         if (clutch && !was) held = now;
-        // The update in which the clutch is let go of is one of free motion again: it goes with the hand.
+        // The update in which the clutch is released is one of free motion again: it goes with the hand.
         const double step = static_cast<double>(glm::length(now - last));
         CHECK(step <= 1000 * glm::length(hand - before) + tolerance<T>(1000));
         last = now;

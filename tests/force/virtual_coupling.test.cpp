@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -196,6 +197,32 @@ TEST_CASE("VirtualCoupling: never turns a force back, never more than doubles it
         damped += damper != glm::dvec3{0.0};
     }
     CHECK(damped > 5000);
+}
+
+TEST_CASE(
+    "VirtualCoupling: to a guard told (1 + 1.5·lag)·K no rise of its force is sudden, to one told K some are",
+    "[virtual_coupling][force_guard][law]") {
+    for (const double lag : {0.5, 1.5, 2.5}) {
+        CAPTURE(lag);
+        VirtualCoupling coupling{{.stiffness = stiffness, .lag = lag}};
+        const GuardLimits limits{.max_force = 1e3, .max_slew = 1e3, .ramp = 0.01, .max_sudden = 1e-9};
+        GuardLimits behind = limits, plain = limits;
+        behind.stiffness = (1 + 1.5 * lag) * stiffness;
+        plain.stiffness = stiffness;
+        ForceGuard told{behind}, not_told{plain};
+        Random random{7};
+        glm::dvec3 at{0, 0, 5e-3};
+        for (int n = 1; n <= 20000; ++n) {
+            // Sets out, turns, stops, and comes out now and then, at one speed.
+            at.z = std::clamp(at.z + 4e-4 * std::round(random.between(-1.5, 1.5)), -5e-3, 3e-3);
+            const glm::dvec3 newtons = coupling(at, {0, 0, std::max(0.0, -stiffness * at.z)}).newtons;
+            const DeviceSample sample{.time = n * 1e-3, .position = at};
+            (void)told.update(sample, newtons);
+            (void)not_told.update(sample, newtons);
+        }
+        CHECK(told.counts().held_back == 0);
+        CHECK(not_told.counts().held_back > 1000);
+    }
 }
 
 TEST_CASE("VirtualCoupling: a scene that changes under a still hand comes as it is", "[virtual_coupling]") {

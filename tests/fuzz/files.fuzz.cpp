@@ -94,8 +94,8 @@ void use(const demo::Terrain& terrain) {
             if (!open.any_spacing && grid.status() != GridStatus::ok)
                 broken("a terrain that makes no grid", std::to_string(static_cast<int>(grid.status())));
             const CellRange cells = grid.cells();
-            for (Index j = cells.first.j; j < cells.last.j; ++j) {
-                for (Index i = cells.first.i; i < cells.last.i; ++i) {
+            for (Index j = cells.begin.j; j < cells.end.j; ++j) {
+                for (Index i = cells.begin.i; i < cells.end.i; ++i) {
                     const auto patch = grid.patch({i, j});
                     if (patch && !is_finite(vec3<double>{patch->p00, patch->p10 + patch->p01, patch->p11}))
                         broken("a height that is none", "");

@@ -186,11 +186,129 @@ void check_closest(const Case<T>& c, const vec2<T>& start) {
     offer("a search found a closer point", foot.u, foot.v);
 }
 
+/// z of a segment less z of the surface over one cell: a quadratic in t, in long double from the ends as doubles.
+class Gap {
+public:
+    template <Real T>
+    Gap(const BilinearPatch<T>& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec2& origin)
+        : Gap{{static_cast<Wide>(p.p00), static_cast<Wide>(p.p10), static_cast<Wide>(p.p01),
+               static_cast<Wide>(p.p11)},
+              glm::dvec2{p.spacing},
+              a,
+              b,
+              origin} {}
+
+    Wide t_in = 0, t_out = 1; ///< over the cell, as far as it is
+    bool over = false;        ///< it is over the cell at all
+    Wide blur = 0;            ///< metres, by which the library may be wrong
+    Wide slack = 0;           ///< of t
+
+    [[nodiscard]] Wide operator()(Wide t) const {
+        const Wide u = u0_ + t * (u1_ - u0_), v = v0_ + t * (v1_ - v0_);
+        return (1 - t) * za_ + t * zb_ -
+               ((1 - v) * ((1 - u) * p00_ + u * p10_) + v * ((1 - u) * p01_ + u * p11_));
+    }
+    /// At the ends over the cell and at the turn between them, in order: from one to the next it rises or falls.
+    [[nodiscard]] std::array<Wide, 3> turns() const {
+        const Wide bend = -(u1_ - u0_) * (v1_ - v0_) * (p11_ - p10_ - p01_ + p00_);
+        const Wide slope_0 = (*this)(1) - (*this)(0) - bend;
+        return {t_in, bend != 0 ? std::clamp(-slope_0 / (2 * bend), t_in, t_out) : t_out, t_out};
+    }
+    /// Both ends are over the cell and not on its edge.
+    [[nodiscard]] bool inside() const {
+        const auto strictly = [](Wide x) { return x > 0 && x < 1; };
+        return t_in == 0 && t_out == 1 && strictly(u0_) && strictly(v0_) && strictly(u1_) && strictly(v1_);
+    }
+
+private:
+    Gap(const std::array<Wide, 4>& heights, const glm::dvec2& spacing, const glm::dvec3& a,
+        const glm::dvec3& b, const glm::dvec2& origin)
+        : p00_{heights[0]}, p10_{heights[1]}, p01_{heights[2]}, p11_{heights[3]} {
+        const Wide dx = static_cast<Wide>(spacing.x), dy = static_cast<Wide>(spacing.y);
+        const auto cells = [](double x, double from, Wide d) {
+            return (static_cast<Wide>(x) - static_cast<Wide>(from)) / d;
+        };
+        u0_ = cells(a.x, origin.x, dx), u1_ = cells(b.x, origin.x, dx);
+        v0_ = cells(a.y, origin.y, dy), v1_ = cells(b.y, origin.y, dy);
+        za_ = static_cast<Wide>(a.z), zb_ = static_cast<Wide>(b.z);
+        const auto place = [](Wide from, Wide to, double x, double y, Wide d) {
+            return 1 + std::abs(from) + std::abs(to) +
+                   (std::abs(static_cast<Wide>(x)) + std::abs(static_cast<Wide>(y))) / d;
+        };
+        measure(place(u0_, u1_, a.x, b.x, dx), place(v0_, v1_, a.y, b.y, dy));
+        over = clip(u0_, u1_ - u0_) && clip(v0_, v1_ - v0_);
+    }
+
+    /// The library computes in double: what goes in are heights and z (R at most) and a place in cells good to ε of the
+    /// farther end, times the slopes.
+    void measure(Wide place_u, Wide place_v) {
+        const Wide e = eps<double>;
+        const Wide high =
+            std::max(std::max(std::abs(p00_), std::abs(p10_)), std::max(std::abs(p01_), std::abs(p11_)));
+        const Wide mu = std::max(std::abs(p10_ - p00_), std::abs(p11_ - p01_)),
+                   mv = std::max(std::abs(p01_ - p00_), std::abs(p11_ - p10_));
+        // A time is good to ε · place / |Δu|, at which the height of the segment has changed by |Δz| times that.
+        const Wide climb = std::abs(zb_ - za_);
+        const Wide du = std::abs(u1_ - u0_), dv = std::abs(v1_ - v0_);
+        Wide when = 1;
+        if (du > 0) when = std::max(when, place_u / du);
+        if (dv > 0) when = std::max(when, place_v / dv);
+        when = std::min(when, 1 / e);
+        slack = 16 * e * when;
+        const Wide square_root_of_least =
+            0x1p-500L; // a quadratic of heights smaller than this has no discriminant
+        blur = square_root_of_least +
+               16 * e * (std::abs(za_) + std::abs(zb_) + high + mu * place_u + mv * place_v + climb * when);
+    }
+
+    /// Cuts the times to those over one axis of the cell; whether some are left.
+    bool clip(Wide from, Wide by) {
+        if (by == 0) return from >= 0 && from <= 1;
+        t_in = std::max(t_in, std::min(-from / by, (1 - from) / by));
+        t_out = std::min(t_out, std::max(-from / by, (1 - from) / by));
+        return t_in <= t_out;
+    }
+
+    Wide p00_, p10_, p01_, p11_;
+    Wide u0_ = 0, u1_ = 0, v0_ = 0, v1_ = 0, za_ = 0, zb_ = 0;
+};
+
+/// `fail(rule, t)`.
+template <Real T, class Fail>
+void judge_hit(const FirstHit<T>& hit, const Gap& f, SurfaceKind kind, Fail&& fail) {
+    const Wide t = static_cast<Wide>(hit.t);
+    if (!(hit.point.u >= 0 && hit.point.u <= 1 && hit.point.v >= 0 && hit.point.v <= 1))
+        fail("hit outside the cell", hit.t);
+    if (t < f.t_in - f.slack || t > f.t_out + f.slack) fail("hit when not over the cell", hit.t);
+    if (std::abs(f(t)) > f.blur) fail("hit off the surface", hit.t);
+    if (kind == SurfaceKind::solid && hit.side != Side::above) fail("a solid hit from below", hit.t);
+    const Wide sign = hit.side == Side::above ? 1 : -1;
+    // Before it there is nothing but the side it came from; a solid may have been left first.
+    bool seen_side = kind == SurfaceKind::sheet;
+    for (int n = 0; n <= 16; ++n) {
+        const Wide s = f.t_in + (t - f.t_in) * n / 16;
+        if (sign * f(s) > f.blur) seen_side = true;
+        if (seen_side && sign * f(s) < -f.blur)
+            fail("an earlier crossing was passed over", static_cast<double>(s));
+    }
+}
+template <Real T, class Fail>
+void judge_miss(const FirstHit<T>& hit, const Gap& f, SurfaceKind kind, Fail&& fail) {
+    Side side = Side::none;
+    for (const Wide t : f.turns()) {
+        const Wide here = f(t);
+        if (std::abs(here) <= f.blur) continue;
+        const Side now = here > 0 ? Side::above : Side::below;
+        const bool crossed = side != Side::none && now != side;
+        if (crossed && (kind == SurfaceKind::sheet || now == Side::below))
+            fail("a crossing was missed", static_cast<double>(t));
+        side = now;
+    }
+    if (f.inside() && std::abs(f(1)) > f.blur && hit.side != (f(1) > 0 ? Side::above : Side::below))
+        fail("on the wrong side at the end", 1);
+}
+
 /// A segment over one cell. Both ends are given in cells, and may lie beyond it.
-///
-/// z of the segment less z of the surface is one quadratic over the cell, computed here in long double from the ends as
-/// doubles. The library computes in double: what goes in are heights and z (R at most) and a place in cells good to ε
-/// of the farther end, times the slopes.
 template <Real T>
 void check_hit(const BilinearPatch<T>& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec2& origin,
                SurfaceKind kind) {
@@ -215,89 +333,14 @@ void check_hit(const BilinearPatch<T>& p, const glm::dvec3& a, const glm::dvec3&
     if (hit.status == HitStatus::cell_limit) fail("no limit was set", hit.t);
     if (hit.cells > 1) fail("more cells than there are", hit.t);
 
-    const Wide dx = static_cast<Wide>(spacing.x), dy = static_cast<Wide>(spacing.y);
-    const Wide u0 = (static_cast<Wide>(a.x) - static_cast<Wide>(origin.x)) / dx,
-               u1 = (static_cast<Wide>(b.x) - static_cast<Wide>(origin.x)) / dx;
-    const Wide v0 = (static_cast<Wide>(a.y) - static_cast<Wide>(origin.y)) / dy,
-               v1 = (static_cast<Wide>(b.y) - static_cast<Wide>(origin.y)) / dy;
-    const Wide za = static_cast<Wide>(a.z), zb = static_cast<Wide>(b.z);
-    const Wide p00 = static_cast<Wide>(p.p00), p10 = static_cast<Wide>(p.p10), p01 = static_cast<Wide>(p.p01),
-               p11 = static_cast<Wide>(p.p11);
-    const auto f = [&](Wide t) {
-        const Wide u = u0 + t * (u1 - u0), v = v0 + t * (v1 - v0);
-        return (1 - t) * za + t * zb - ((1 - v) * ((1 - u) * p00 + u * p10) + v * ((1 - u) * p01 + u * p11));
-    };
-    const Wide e = eps<double>;
-    const Wide high =
-        std::max(std::max(std::abs(p00), std::abs(p10)), std::max(std::abs(p01), std::abs(p11)));
-    const Wide mu = std::max(std::abs(p10 - p00), std::abs(p11 - p01)),
-               mv = std::max(std::abs(p01 - p00), std::abs(p11 - p10));
-    const Wide place_u = 1 + std::abs(u0) + std::abs(u1) +
-                         (std::abs(static_cast<Wide>(a.x)) + std::abs(static_cast<Wide>(b.x))) / dx;
-    const Wide place_v = 1 + std::abs(v0) + std::abs(v1) +
-                         (std::abs(static_cast<Wide>(a.y)) + std::abs(static_cast<Wide>(b.y))) / dy;
-    // A time is good to ε · place / |Δu|, at which the height of the segment has changed by |Δz| times that.
-    const Wide climb = std::abs(zb - za);
-    const Wide du = std::abs(u1 - u0), dv = std::abs(v1 - v0);
-    Wide when = 1;
-    if (du > 0) when = std::max(when, place_u / du);
-    if (dv > 0) when = std::max(when, place_v / dv);
-    when = std::min(when, 1 / e);
-    const Wide square_root_of_least =
-        0x1p-500L; // a quadratic of heights smaller than this has no discriminant
-    const Wide blur =
-        square_root_of_least +
-        16 * e * (std::abs(za) + std::abs(zb) + high + mu * place_u + mv * place_v + climb * when);
-
-    // The part over the cell.
-    Wide t_in = 0, t_out = 1;
-    const auto clip = [&](Wide from, Wide by) {
-        if (by == 0) return from >= 0 && from <= 1;
-        t_in = std::max(t_in, std::min(-from / by, (1 - from) / by));
-        t_out = std::min(t_out, std::max(-from / by, (1 - from) / by));
-        return t_in <= t_out;
-    };
-    const bool over = clip(u0, u1 - u0) && clip(v0, v1 - v0);
-    const Wide slack = 16 * e * when; // of t
-    if (!over) {
-        if (hit.status == HitStatus::hit && !(t_in <= t_out + slack)) fail("hit beside the cell", hit.t);
-        return;
-    }
-    // The sides in order: at the ends, at the turn between them.
-    const Wide bend = -(u1 - u0) * (v1 - v0) * (p11 - p10 - p01 + p00);
-    const Wide slope_0 = f(1) - f(0) - bend;
-    std::array<Wide, 3> times{t_in, t_out, t_out};
-    if (bend != 0) times[1] = std::clamp(-slope_0 / (2 * bend), t_in, t_out);
-    if (hit.status == HitStatus::hit) {
-        const Wide t = static_cast<Wide>(hit.t);
-        if (!(hit.point.u >= 0 && hit.point.u <= 1 && hit.point.v >= 0 && hit.point.v <= 1))
-            fail("hit outside the cell", hit.t);
-        if (t < t_in - slack || t > t_out + slack) fail("hit when not over the cell", hit.t);
-        if (std::abs(f(t)) > blur) fail("hit off the surface", hit.t);
-        if (kind == SurfaceKind::solid && hit.side != Side::above) fail("a solid hit from below", hit.t);
-        const Wide sign = hit.side == Side::above ? 1 : -1;
-        // Before it there is nothing but the side it came from; a solid may have been left first.
-        bool seen_side = kind == SurfaceKind::sheet;
-        for (int n = 0; n <= 16; ++n) {
-            const Wide s = t_in + (t - t_in) * n / 16;
-            if (sign * f(s) > blur) seen_side = true;
-            if (seen_side && sign * f(s) < -blur)
-                fail("an earlier crossing was passed over", static_cast<double>(s));
-        }
+    const Gap gap{p, a, b, origin};
+    if (!gap.over) {
+        if (hit.status == HitStatus::hit && !(gap.t_in <= gap.t_out + gap.slack))
+            fail("hit beside the cell", hit.t);
+    } else if (hit.status == HitStatus::hit) {
+        judge_hit(hit, gap, kind, fail);
     } else {
-        Side side = Side::none;
-        for (const Wide t : times) {
-            const Wide here = f(t);
-            if (std::abs(here) <= blur) continue;
-            const Side now = here > 0 ? Side::above : Side::below;
-            const bool crossed = side != Side::none && now != side;
-            if (crossed && (kind == SurfaceKind::sheet || now == Side::below))
-                fail("a crossing was missed", static_cast<double>(t));
-            side = now;
-        }
-        if (t_in == 0 && t_out == 1 && u0 > 0 && u0 < 1 && v0 > 0 && v0 < 1 && u1 > 0 && u1 < 1 && v1 > 0 &&
-            v1 < 1 && std::abs(f(1)) > blur && hit.side != (f(1) > 0 ? Side::above : Side::below))
-            fail("on the wrong side at the end", 1);
+        judge_miss(hit, gap, kind, fail);
     }
 }
 

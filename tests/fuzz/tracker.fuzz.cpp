@@ -418,7 +418,6 @@ private:
             limited && c.patches + 6 >= std::min(options_.max_contact_patches, options_.max_patches);
         const Point q = wide(stylus);
         const Memory was = remember(stylus, c);
-        const auto& under = under_;
         const Wide tolerance = tolerance_, above = above_;
         const bool there = there_;
 
@@ -438,10 +437,16 @@ private:
             c.normal != vec3<T>{0, 0, 1}) {
             fail("not touching, but something is felt", c);
         }
+        if (c.status == ContactStatus::sweep_limit && !worked && !open.loops) fail("ran out of work", c);
+        judge_apart(q, was, c, solid);
+    }
+
+    /// Not in contact: whether the status fits the place.
+    void judge_apart(const Point& q, const Memory& was, const Contact<T>& c, bool solid) {
+        const auto& under = under_;
+        const Wide tolerance = tolerance_, above = above_;
         switch (c.status) {
-        case ContactStatus::sweep_limit:
-            if (!worked && !open.loops) fail("ran out of work", c);
-            break;
+        case ContactStatus::sweep_limit: break;
         case ContactStatus::free:
             if (!under) fail("free over nothing", c);
             if (solid && above < -tolerance) fail("free below the surface", c);

@@ -483,6 +483,21 @@ TEMPLATE_TEST_CASE(
     // and corner, to queries over borders and corners and beyond them, where differences and slopes are exactly zero.
     using T = TestType;
     constexpr T parameters[]{0, T(0.25), 1}, queries[]{-2, 0, T(0.25), T(0.5), 1, 3};
+    // From every start. The patch rises by `rise` along one parameter; `over` is the foot's other one.
+    const auto check = [&](const BilinearPatch<T>& patch, const CellPoint<T>& query, bool level_u, T over,
+                           T foot, T along) {
+        for (const T u : parameters) {
+            for (const T v : parameters) {
+                CAPTURE(u, v);
+                const auto end = newton_closest_point(patch, query, {u, v});
+                REQUIRE(end.status == NewtonStatus::converged);
+                REQUIRE((level_u ? end.u : end.v) == over);
+                REQUIRE(std::abs((level_u ? end.v : end.u) - foot) <=
+                        16 * epsilon<T> * (1 + std::abs(along)));
+                REQUIRE(end.iterations <= 3);
+            }
+        }
+    };
     for (const T rise : {T(0), T(0.5), T(-2), T(100)}) {
         for (const bool level_u : {true, false}) {
             const auto patch = level_u ? BilinearPatch<T>{0, 0, rise, rise, {1, 1}}
@@ -496,17 +511,8 @@ TEMPLATE_TEST_CASE(
                             level_u ? CellPoint<T>{level, along, z} : CellPoint<T>{along, level, z};
                         const T foot = std::clamp((along + z * rise) / (1 + rise * rise), T(0), T(1)),
                                 over = std::clamp(level, T(0), T(1));
-                        for (const T u : parameters) {
-                            for (const T v : parameters) {
-                                CAPTURE(rise, level_u, level, along, deep, u, v);
-                                const auto end = newton_closest_point(patch, query, {u, v});
-                                REQUIRE(end.status == NewtonStatus::converged);
-                                REQUIRE((level_u ? end.u : end.v) == over);
-                                REQUIRE(std::abs((level_u ? end.v : end.u) - foot) <=
-                                        16 * epsilon<T> * (1 + std::abs(along)));
-                                REQUIRE(end.iterations <= 3);
-                            }
-                        }
+                        CAPTURE(rise, level_u, level, along, deep);
+                        check(patch, query, level_u, over, foot, along);
                     }
                 }
             }

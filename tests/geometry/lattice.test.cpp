@@ -34,10 +34,10 @@ TEST_CASE("lattice: an endless range ends where a double no longer counts halves
     constexpr CellRange range = CellRange::endless();
     STATIC_REQUIRE(range.contains({0, 0}));
     STATIC_REQUIRE(range.contains({-1'000'000'000'000, 1'000'000'000'000}));
-    CHECK(static_cast<Index>(static_cast<double>(range.last.i)) == range.last.i);
-    CHECK(range.last.i == 0x7'ffff'ffff'ffff);
-    CHECK(range.first.j == -0x7'ffff'ffff'ffff);
-    CHECK(static_cast<Index>(static_cast<double>(range.first.j) + 0.5) != range.first.j);
+    CHECK(static_cast<Index>(static_cast<double>(range.end.i)) == range.end.i);
+    CHECK(range.end.i == 0x7'ffff'ffff'ffff);
+    CHECK(range.begin.j == -0x7'ffff'ffff'ffff);
+    CHECK(static_cast<Index>(static_cast<double>(range.begin.j) + 0.5) != range.begin.j);
 }
 
 TEMPLATE_TEST_CASE("lattice: an endless range leaves room for sums of four cell numbers, also in 32 bits",

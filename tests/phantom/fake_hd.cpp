@@ -37,6 +37,7 @@ void FakeHd::update() {
     ++updates;
     in_tick.clear();
     for (const Scheduled& next : std::vector<Scheduled>{scheduled}) {
+        if (next.is_held_up) continue;
         locked.unlock();
         ticking = true;
         const HDCallbackCode code = next.callback(next.user);
@@ -83,8 +84,9 @@ bool knows(HDenum name) {
 }
 void must_be_owner() {
     FakeHd& hd = fake_hd();
-    must(ticking || !hd.started || hd.scheduled.empty(),
-         "while the servo loop runs nobody else makes such a call");
+    const bool calls_back = std::any_of(hd.scheduled.begin(), hd.scheduled.end(),
+                                        [](const FakeHd::Scheduled& s) { return !s.is_held_up; });
+    must(ticking || !hd.started || !calls_back, "while the servo loop runs nobody else makes such a call");
 }
 
 } // namespace
@@ -141,7 +143,7 @@ void hdEnable(HDenum capability) {
                                                : "enable something else");
     must(current().open, "enabled when open");
     current().enabled.push_back(capability);
-    raise(fake_hd().enable_error);
+    raise(current().enable_error);
 }
 
 void hdDisable(HDenum capability) {
@@ -271,9 +273,10 @@ HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* use
     const auto locked = lock();
     note("schedule");
     FakeHd& hd = fake_hd();
-    hd.scheduled.push_back({++hd.last_schedule, callback, user});
     hd.priority = priority;
-    raise(hd.schedule_error);
+    raise(hd.schedule_error); // about the current device, as the driver has it, whoever schedules
+    if (hd.schedule_error != 0) return HD_INVALID_HANDLE;
+    hd.scheduled.push_back({++hd.last_schedule, callback, user});
     return hd.last_schedule;
 }
 

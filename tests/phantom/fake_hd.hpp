@@ -30,6 +30,7 @@ struct FakeDevice {
     bool inkwell = true, safety = true;
     const char* model = "PHANTOM Omni";
     unsigned temperature_error = 0; ///< raised when the temperature is read
+    unsigned enable_error = 0;      ///< raised when something is enabled
     std::vector<HDenum> unknown{};  ///< what it raises an error about when asked
 
     // What has come of it.
@@ -52,7 +53,7 @@ struct FakeHd : FakeDevice {
     std::deque<FakeError> errors{};      ///< a stack: the last one is the next to be told
 
     bool init_gives_no_handle = false;
-    unsigned init_error = 0, enable_error = 0, schedule_error = 0, start_error = 0;
+    unsigned init_error = 0, schedule_error = 0, start_error = 0;
     unsigned priority = 0;
 
     FakeDevice second{.handle = 6};
@@ -67,6 +68,7 @@ struct FakeHd : FakeDevice {
         HDSchedulerHandle handle;
         HDSchedulerCallback callback;
         void* user;
+        bool is_held_up = false; ///< is not called, and stays on the schedule
     };
     std::vector<Scheduled> scheduled{};
     HDSchedulerHandle last_schedule = 0x1'0000'0000ul; ///< does not fit into an int

@@ -3,6 +3,7 @@
 
 #include "openhaptics.hpp"
 #include "phantom_device.hpp"
+#include "reconnect.hpp"
 #include "scene.hpp"
 
 #include <hfh/terrain/extended_field.hpp>
@@ -163,7 +164,7 @@ TEST_CASE("phantom: a device that does not open, or does not start, is not avail
     CHECK(hd.scheduled.empty());
 }
 
-TEST_CASE("phantom: a force error lets go of the contact, and the run goes on", "[phantom]") {
+TEST_CASE("phantom: a force error ends the contact, and the run goes on", "[phantom]") {
     const unsigned code = GENERATE(0x200u, 0x201u, 0x202u, 0x203u, 0x204u);
     auto& hd = fresh();
     Phantom device;
@@ -258,7 +259,7 @@ TEST_CASE("phantom: with warm motors there is no force until they have cooled, a
     CHECK(hd.breaches == Names{});
 }
 
-TEST_CASE("phantom: a device fault lets go of the contact, and the run goes on once the driver has recovered",
+TEST_CASE("phantom: a device fault ends the contact, and the run goes on once the driver has recovered",
           "[phantom][regression]") {
     auto& hd = fresh();
     Phantom device;
@@ -402,6 +403,159 @@ TEST_CASE("phantom: a device that is opened while another runs is not opened", "
     CHECK(Phantom{"second"}.is_open());
 }
 
+namespace {
+
+/// Runs `device` without end, at 2 N upward, and in its 50th update `meanwhile`. Ends so many updates after that, unless
+/// something else ends it before. Its force must never be interrupted.
+template <class Meanwhile>
+DeviceEnd run_undisturbed(Phantom& device, Meanwhile meanwhile, int more = 100) {
+    FakeHd& hd = fake_hd();
+    const FakeDevice& own = hd;
+    int interrupted = 0, left = -1, n = 0;
+    bool is_in = false;
+    hd.before_update = [&](int) {
+        interrupted += n++ > 0 && own.force != std::vector<double>{0, 2, 0};
+        if (n < 50 || is_in) return;
+        is_in = true; // what happens meanwhile may tick
+        meanwhile();
+        left = more;
+    };
+    const auto tick = [&](const DeviceSample&) -> DeviceCommand {
+        return {{0, 0, 2}, left != 0 && left-- != 0};
+    };
+    const DeviceEnd end = device.run(tick);
+    hd.before_update = nullptr;
+    CHECK(interrupted == 0);
+    CHECK(left == 0); // all of it
+    return end;
+}
+
+} // namespace
+
+TEST_CASE("phantom: where a second one cannot be scheduled the first goes on, and the second is told",
+          "[phantom][regression]") {
+    const unsigned code = GENERATE(unsigned{HD_SCHEDULER_FULL}, unsigned{HD_INVALID_PRIORITY});
+    auto& hd = fresh();
+    Phantom first, second{"second"};
+    Asks asks;
+    const auto end = run_undisturbed(first, [&] {
+        hd.schedule_error = code;
+        CHECK(second.run(asks) == DeviceEnd::not_available);
+        CHECK(second.report().last_error == code);
+        CHECK(asks.samples.empty());
+        hd.schedule_error = 0;
+        CHECK(second.run(asks) == DeviceEnd::stopped); // there is room again
+        CHECK(asks.samples.size() == 100);
+    });
+    CHECK(end == DeviceEnd::stopped);
+    CHECK(first.report().last_error == 0);
+    CHECK(second.report().last_error == 0);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE(
+    "phantom: an error of scheduling that comes amid the first's questions is not taken for their answer",
+    "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom first;
+    hd.before_update = [&](int n) { hd.temperature_error = n == 0 ? unsigned{HD_SCHEDULER_FULL} : 0u; };
+    hd.temperature[0] = 0.3;
+    Asks asks;
+    CHECK(first.run(asks) == DeviceEnd::stopped);
+    CHECK(first.report().temperature == 0.3);
+    CHECK(first.report().last_error == 0);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: motors that cannot be switched on are told to the device whose they are, and no other",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom first, second{"second"};
+    hd.second.enable_error = HD_BAD_HANDLE;
+    Asks asks;
+    const auto end = run_undisturbed(first, [&] {
+        CHECK(second.run(asks) == DeviceEnd::not_available);
+        CHECK(second.report().last_error == HD_BAD_HANDLE);
+        CHECK(asks.samples.empty());
+    });
+    CHECK(end == DeviceEnd::stopped);
+    CHECK(first.report().last_error == 0);
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE(
+    "phantom: a device that is destroyed while another runs ends at zero, and the other goes on undisturbed",
+    "[phantom][regression]") {
+    auto& hd = fresh();
+    Phantom first;
+    std::optional<Phantom> second{std::in_place, "second"};
+    bool is_lost = false;
+    SECTION("before it has run") {}
+    SECTION("after a run") {
+        CHECK(run_undisturbed(first, [&] {
+                  Asks asks;
+                  CHECK(second->run(asks) == DeviceEnd::stopped);
+              }) == DeviceEnd::stopped);
+    }
+    SECTION("after a run that was lost") { is_lost = true; }
+    const auto end = run_undisturbed(first, [&] {
+        if (is_lost) {
+            Asks asks;
+            const auto tick = [&](const DeviceSample& sample) {
+                if (asks.samples.size() == 20) hd.scheduled.back().is_held_up = true; // this one tick more
+                return asks(sample);
+            };
+            CHECK(second->run(tick) == DeviceEnd::lost);
+            CHECK(second->run(tick) == DeviceEnd::not_available); // its callback may still come
+            CHECK(asks.samples.size() == 21);
+        }
+        second.reset();
+        CHECK(hd.second.open); // closed when the scheduler has stopped
+        FakeClock{}.wait();
+        CHECK(hd.second.force == std::vector<double>{0, 0, 0});
+        hd.scheduled.back().is_held_up = false; // it comes after all
+        FakeClock{}.wait();
+        CHECK(hd.scheduled.size() == 1);
+        hd.errors.emplace_back(HD_COMM_ERROR, hd.second.handle); // someone pulls its plug
+        FakeClock{}.wait();
+        CHECK(hd.second.force == std::vector<double>{0, 0, 0});
+    });
+    CHECK(end == DeviceEnd::stopped);
+    CHECK(first.report().last_error == 0);
+    CHECK_FALSE(hd.second.open);
+    CHECK(hd.open);
+    CHECK(Phantom{"second"}.is_open());
+    CHECK(hd.breaches == Names{});
+}
+
+TEST_CASE("phantom: a device that is lost while another runs ends at zero, and the other goes on undisturbed",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    const bool comes_late = GENERATE(false, true);
+    Phantom first, second{"second"};
+    const auto end = run_undisturbed(first, [&] {
+        Asks asks;
+        const auto tick = [&](const DeviceSample& sample) {
+            if (asks.samples.size() == 20) hd.scheduled.back().is_held_up = true;
+            return asks(sample);
+        };
+        CHECK(second.run(tick) == DeviceEnd::lost);
+        FakeClock{}.wait();
+        CHECK(hd.second.force == std::vector<double>{0, 0, 0});
+        if (!comes_late) return;
+        hd.scheduled.back().is_held_up = false;
+        FakeClock{}.wait();
+        CHECK(asks.samples.size() == 21); // it comes late, is not heard, and is off the schedule
+        CHECK(hd.scheduled.size() == 1);
+        CHECK(second.run(asks) == DeviceEnd::stopped);
+        CHECK(asks.samples.size() == 100);
+    });
+    CHECK(end == DeviceEnd::stopped);
+    CHECK(first.report().last_error == 0);
+    CHECK(hd.scheduled.empty());
+    CHECK(hd.breaches == Names{});
+}
+
 TEST_CASE("phantom: a driver that stops calling back is lost", "[phantom]") {
     auto& hd = fresh();
     Phantom device;
@@ -412,6 +566,44 @@ TEST_CASE("phantom: a driver that stops calling back is lost", "[phantom]") {
     CHECK(device.run(asks) == DeviceEnd::lost);
     CHECK(asks.samples.size() == 31);
     CHECK(forceless(hd));
+}
+
+TEST_CASE("phantom: after a connection that broke a device that does not open or start is tried again",
+          "[phantom][regression]") {
+    auto& hd = fresh();
+    const bool was_there = GENERATE(true, false);
+    const DeviceEnd last = GENERATE(DeviceEnd::stopped, DeviceEnd::fault, DeviceEnd::not_available);
+    int attempts = 0, waits = 0;
+    const auto attempt = [&] {
+        const int n = ++attempts;
+        const bool is_there = n == 1 ? was_there : n >= 6;
+        hd.init_gives_no_handle = n == 2;
+        hd.enable_error = n == 3 ? unsigned{HD_BAD_HANDLE} : 0u;
+        hd.schedule_error = n == 4 ? unsigned{HD_SCHEDULER_FULL} : 0u;
+        hd.start_error =
+            n == 5 || !is_there || last == DeviceEnd::not_available ? unsigned{HD_TIMER_ERROR} : 0u;
+        if (n == 1 && was_there) hd.start_error = 0;
+        hd.updates = 0;
+        hd.before_update = [&hd, n, last](int update) {
+            if (update == 20 && n == 1) hd.errors.push_back(HD_COMM_ERROR);
+            if (update == 20 && n > 1 && last == DeviceEnd::fault) hd.errors.push_back(HD_FRAME_ERROR);
+        };
+        Phantom device;
+        Asks asks;
+        return device.run(asks);
+    };
+    const auto wait = [&] { ++waits; };
+    const auto goes_on = [&] { return attempts < 10; };
+    const DeviceEnd end = phantom::run_and_reconnect(attempt, wait, goes_on);
+    if (was_there) {
+        CHECK(end == last);
+        CHECK(attempts == (last == DeviceEnd::not_available ? 10 : 6));
+        CHECK(waits == attempts - 1);
+    } else {
+        CHECK(end == DeviceEnd::not_available);
+        CHECK(attempts == 1);
+    }
+    CHECK(hd.breaches == Names{});
 }
 
 TEST_CASE("phantom: a callback that comes late is counted and measured", "[phantom]") {
@@ -653,7 +845,7 @@ TEST_CASE("phantom: a terrain is felt through tracker, workspace and guard", "[p
     CHECK(up[900] == 0);
     CHECK(up[1500] == Approx(1.6));
     for (int n = 2001; n < 3218; ++n)
-        CHECK(up[static_cast<std::size_t>(n)] == 0); // let go: buried until out once
+        CHECK(up[static_cast<std::size_t>(n)] == 0); // contact ended: buried until out once
     CHECK(up[4900] == Approx(1.6));
     CHECK(up[5000] == 0);                         // the clutch
     CHECK(up[5350] == Approx(0.8).epsilon(0.02)); // half the ramp

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -71,7 +72,7 @@ void one_device(int run) {
 }
 
 /// Two on one scheduler, each run in a thread of its own: each gets its own force and its own errors. The second leaves
-/// first, and the first goes on.
+/// first and is destroyed, and the first goes on.
 void two_devices(int run) {
     FakeHd& hd = fake_hd() = FakeHd{};
     hd.position[1] = 12, hd.second.position[1] = 20; // 2 and 10 mm above the middles
@@ -85,8 +86,9 @@ void two_devices(int run) {
         felt[1].push_back(hd.second.force[1]);
         if (n % 10 == 0) hd.errors.emplace_back(HD_EXCEEDED_MAX_FORCE, hd.second.handle);
     };
-    Phantom first, second{"second"};
-    expect(first.is_open() && second.is_open(), "both are open", run);
+    Phantom first;
+    std::optional<Phantom> second{std::in_place, "second"};
+    expect(first.is_open() && second->is_open(), "both are open", run);
     const auto force_of_height = [&](const DeviceSample& sample) -> DeviceCommand {
         has_begun[sample.position.z > 0.005] = true;
         return {{0, 0, 100 * sample.position.z}};
@@ -102,13 +104,14 @@ void two_devices(int run) {
     const auto fifty_alone = after(50, [&] { return is_alone.load(); });
     DeviceEnd ends[2];
     std::thread one{[&] { ends[0] = run_watched(first, force_of_height, fifty_alone); }};
-    ends[1] = run_watched(second, force_of_height, hundred);
+    ends[1] = run_watched(*second, force_of_height, hundred);
+    expect(second->report().force_errors > 0, "the second's errors are its own", run);
+    second.reset();
     is_alone = true;
     one.join();
     expect(ends[0] == DeviceEnd::stopped && ends[1] == DeviceEnd::stopped,
            "both end because they are stopped", run);
     expect(first.report().force_errors == 0, "no error of the second is the first's", run);
-    expect(second.report().force_errors > 0, "the second's errors are its own", run);
     const auto has = [](const std::vector<double>& forces, double newtons) {
         return std::count_if(forces.begin(), forces.end(),
                              [=](double f) { return std::abs(f - newtons) < 1e-9; }) > 5;
@@ -116,6 +119,29 @@ void two_devices(int run) {
     expect(has(felt[0], 0.2), "the first feels its own force", run);
     expect(has(felt[1], 1), "the second feels its own force", run);
     expect(!has(felt[0], 1), "the first does not feel the second's force", run);
+    expect_no_breach(run);
+}
+
+/// A second one that cannot be scheduled while the first runs: the callback of the first takes the error.
+void second_not_scheduled(int run) {
+    FakeHd& hd = fake_hd() = FakeHd{};
+    hd.before_update = [](int) { in_first_tick = true; };
+    Phantom first, second{"second", {.patience = 0.5}};
+    std::atomic<bool> runs{false}, enough{false};
+    const auto tick = [&](const DeviceSample&) -> DeviceCommand {
+        runs = true;
+        return {{0, 0, 1}};
+    };
+    DeviceEnd end{};
+    std::thread one{[&] { end = run_watched(first, tick, [&](unsigned long) { return enough.load(); }); }};
+    while (!runs) std::this_thread::yield();
+    hd.schedule_error = HD_SCHEDULER_FULL;
+    expect(second.run(tick) == DeviceEnd::not_available, "the second does not run", run);
+    expect(second.report().last_error == HD_SCHEDULER_FULL, "the second is told why", run);
+    enough = true;
+    one.join();
+    expect(end == DeviceEnd::stopped, "the first goes on", run);
+    expect(first.report().last_error == 0, "the error is not the first's", run);
     expect_no_breach(run);
 }
 
@@ -146,6 +172,7 @@ int main() {
     constexpr int runs = 30;
     for (int run = 0; run < runs; ++run) hfh::test::one_device(run);
     for (int run = 0; run < runs; ++run) hfh::test::two_devices(run);
+    for (int run = 0; run < 2; ++run) hfh::test::second_not_scheduled(run);
     std::printf("%d runs, %d failures\n", runs, hfh::test::failures);
     return hfh::test::failures == 0 ? 0 : 1;
 }

@@ -244,6 +244,33 @@ TEST_CASE("SimulatedDevice: a model that makes no sense does not start", "[simul
     CHECK_FALSE(starts(plain(), {-1, 0}));
 }
 
+TEST_CASE("SimulatedDevice: with encoders that make no sense it does not start",
+          "[simulated_device][regression]") {
+    const auto starts = [](const auto& encoders) {
+        SimulatedDevice device{DeviceCapabilities{.rate = 1000}, SameAxes<StickSlipMass>{{.mass = 0.1}},
+                               encoders, Still{}, 0.01};
+        const auto end = device.run([](const DeviceSample&) -> DeviceCommand { return {}; });
+        CHECK((end == DeviceEnd::stopped) == device.valid());
+        return device.valid();
+    };
+    CHECK(starts(AxisEncoders{}));
+    CHECK(starts(AxisEncoders{1e-4}));
+    CHECK(starts(JointEncoders{}));
+    CHECK(starts(JointEncoders{.shoulder = {0, 0.2, 0}, .step = 2e-4}));
+    const double nan = std::nan(""), inf = HUGE_VAL;
+    for (const double bad : {-1e-5, nan, inf, -inf}) {
+        CAPTURE(bad);
+        CHECK_FALSE(starts(AxisEncoders{bad}));
+        CHECK_FALSE(starts(JointEncoders{.step = bad}));
+        CHECK_FALSE(starts(JointEncoders{.upper = bad, .step = 1e-4}));
+        CHECK_FALSE(starts(JointEncoders{.lower = bad, .step = 1e-4}));
+    }
+    for (const double bad : {nan, inf})
+        CHECK_FALSE(starts(JointEncoders{.shoulder = {0, bad, 0}, .step = 1e-4}));
+    CHECK_FALSE(starts(JointEncoders{.upper = 0, .step = 1e-4}));
+    CHECK_FALSE(starts(JointEncoders{.lower = 0, .step = 1e-4}));
+}
+
 TEST_CASE("SimulatedDevice: the same run gives the same bits, and allocates nothing", "[simulated_device]") {
     const auto run = [](std::vector<double>& seen) {
         SimulatedDevice device{simulated_premium, {}, Circle{}, 1};

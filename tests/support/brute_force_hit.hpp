@@ -97,7 +97,7 @@ template <Real T>
     for (HitPiece& piece : pieces) {
         piece.c0 += lift;
         if (piece.t_in > covered_to + gap) side = Side::none;
-        // Along a grid line two cells share a stretch; the second has nothing to add.
+        // Along a grid line two cells share a part of the segment; the second has nothing to add.
         long double t = std::max(piece.t_in, covered_to);
         bool fresh = true;
         covered_to = std::max(covered_to, piece.t_out);

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <utility>
 #include <vector>
 
 // Samples as devices, drivers and operating systems deliver them: polled faster or slower than the device samples, late,
@@ -63,88 +63,109 @@ struct StreamOptions {
 };
 
 /// The samples of a run, in the order in which a tick sees them.
-[[nodiscard]] inline std::vector<DeviceSample> deliver(const StreamOptions& o) {
-    Random random{o.seed};
-    const double period = 1 / o.rate, phase = random.unit() * period;
-    const auto hand = [&](double t) {
-        constexpr double half = 0.1; // m
-        const double way = std::fmod(o.speed * t, 4 * half);
-        const double z = way < 2 * half ? way - half : 3 * half - way;
-        return o.resolution > 0 ? std::round(z / o.resolution) * o.resolution : z;
-    };
-    // The k-th sample of the device.
-    const auto taken_at = [&](long k) { return static_cast<double>(k) * period + phase; };
-    const auto place = [&](long k) { return glm::dvec3{0.01, -0.02, hand(taken_at(k))}; };
-    const auto at = [&](double time, long k) {
-        return DeviceSample{.time = o.start + time, .position = place(k)};
-    };
-    const auto newest = [&](double t) { return static_cast<long>(std::floor((t - phase) / period)); };
-    const auto delay = [&] { return random.one_in(o.stall_in) ? random.unit() * o.jitter : 0.0; };
-    const long samples = static_cast<long>(o.seconds * o.rate);
+class DeviceStream {
+public:
+    explicit DeviceStream(const StreamOptions& options)
+        : o_{options}, random_{options.seed}, period_{1 / options.rate}, phase_{random_.unit() * period_},
+          samples_{static_cast<long>(options.seconds * options.rate)} {}
 
-    std::vector<DeviceSample> out;
-    switch (o.delivery) {
-    case Delivery::stalled_polls:
-        for (double t = 2 * period; t < o.seconds; t += 1 / o.polls + delay())
-            out.push_back(at(t, newest(t)));
-        break;
-    case Delivery::late_arrival: {
+    [[nodiscard]] std::vector<DeviceSample> deliver() {
+        switch (o_.delivery) {
+        case Delivery::stalled_polls: stalled_polls(); break;
+        case Delivery::late_arrival: late_arrival(); break;
+        case Delivery::device_stamps: device_stamps(); break;
+        case Delivery::late_stamps: late_stamps(); break;
+        case Delivery::stamp_after: stamp_after(); break;
+        case Delivery::burst: burst(1e-5); break;
+        case Delivery::burst_at_once: burst(0); break;
+        case Delivery::millisecond_clock: millisecond_clock(); break;
+        case Delivery::coarse_clock: coarse_clock(); break;
+        case Delivery::out_of_order: out_of_order(); break;
+        }
+        return std::move(out_);
+    }
+
+private:
+    void stalled_polls() {
+        for (double t = 2 * period_; t < o_.seconds; t += 1 / o_.polls + delay()) put(t, newest(t));
+    }
+    void late_arrival() {
         std::vector<double> arrives;
-        for (long k = 0; k < samples; ++k) {
-            const double when = taken_at(k) + random.unit() * o.jitter;
+        for (long k = 0; k < samples_; ++k) {
+            const double when = taken_at(k) + late();
             arrives.push_back(k > 0 ? std::max(arrives.back(), when) : when);
         }
         long k = 0;
-        for (double t = arrives[0]; t < o.seconds; t += 1 / o.polls) {
-            while (k + 1 < samples && arrives[static_cast<std::size_t>(k + 1)] <= t) ++k;
-            out.push_back(at(t, k));
+        for (double t = arrives[0]; t < o_.seconds; t += 1 / o_.polls) {
+            while (k + 1 < samples_ && arrives[static_cast<std::size_t>(k + 1)] <= t) ++k;
+            put(t, k);
         }
-        break;
     }
-    case Delivery::device_stamps:
-        for (double t = 2 * period; t < o.seconds; t += 1 / o.polls + delay())
-            out.push_back(at(taken_at(newest(t)), newest(t)));
-        break;
-    case Delivery::late_stamps: {
+    void device_stamps() {
+        for (double t = 2 * period_; t < o_.seconds; t += 1 / o_.polls + delay())
+            put(taken_at(newest(t)), newest(t));
+    }
+    void late_stamps() {
         double last = 0;
-        for (long k = 0; k < samples; ++k) {
-            last = std::max(last, taken_at(k) + random.unit() * o.jitter);
-            out.push_back(at(last, k));
+        for (long k = 0; k < samples_; ++k) {
+            last = std::max(last, taken_at(k) + late());
+            put(last, k);
         }
-        break;
     }
-    case Delivery::stamp_after:
-        for (double t = 2 * period; t < o.seconds; t += 1 / o.polls) {
+    void stamp_after() {
+        for (double t = 2 * period_; t < o_.seconds; t += 1 / o_.polls) {
             const long k = newest(t);
             t += delay();
-            out.push_back(at(t, k));
+            put(t, k);
         }
-        break;
-    case Delivery::burst:
-    case Delivery::burst_at_once: {
-        const double apart = o.delivery == Delivery::burst ? 1e-5 : 0.0;
+    }
+    /// `apart`: s between two samples that are handed out after a stall.
+    void burst(double apart) {
         double free_at = 0; // s: until then nothing is handed out
-        for (long k = 0; k < samples; ++k) {
+        for (long k = 0; k < samples_; ++k) {
             const double now = taken_at(k);
-            if (random.one_in(o.stall_in)) free_at = std::max(free_at, now + random.unit() * o.jitter);
+            if (random_.one_in(o_.stall_in)) free_at = std::max(free_at, now + late());
             const double stamp = std::max(now, free_at);
-            out.push_back(at(stamp, k));
+            put(stamp, k);
             free_at = std::max(free_at, stamp + apart);
         }
-        break;
     }
-    case Delivery::millisecond_clock:
-        for (double t = 2 * period; t < o.seconds; t += 1 / o.polls + delay())
-            out.push_back(at(std::floor(1000 * t) / 1000, newest(t)));
-        break;
-    case Delivery::coarse_clock:
-        for (long k = 0; k < samples; ++k) out.push_back(at(std::floor(64 * taken_at(k)) / 64, k));
-        break;
-    case Delivery::out_of_order:
-        for (long k = 0; k < samples; ++k) out.push_back(at(taken_at(k) + random.unit() * o.jitter, k));
-        break;
+    void millisecond_clock() {
+        for (double t = 2 * period_; t < o_.seconds; t += 1 / o_.polls + delay())
+            put(std::floor(1000 * t) / 1000, newest(t));
     }
-    return out;
+    void coarse_clock() {
+        for (long k = 0; k < samples_; ++k) put(std::floor(64 * taken_at(k)) / 64, k);
+    }
+    void out_of_order() {
+        for (long k = 0; k < samples_; ++k) put(taken_at(k) + late(), k);
+    }
+
+    /// The k-th sample of the device, stamped `time` seconds after the start.
+    void put(double time, long k) {
+        out_.push_back({.time = o_.start + time, .position = {0.01, -0.02, hand(taken_at(k))}});
+    }
+    [[nodiscard]] double hand(double t) const {
+        constexpr double half = 0.1; // m
+        const double way = std::fmod(o_.speed * t, 4 * half);
+        const double z = way < 2 * half ? way - half : 3 * half - way;
+        return o_.resolution > 0 ? std::round(z / o_.resolution) * o_.resolution : z;
+    }
+    [[nodiscard]] double taken_at(long k) const { return static_cast<double>(k) * period_ + phase_; }
+    [[nodiscard]] long newest(double t) const {
+        return static_cast<long>(std::floor((t - phase_) / period_));
+    }
+    [[nodiscard]] double late() { return random_.unit() * o_.jitter; }
+    [[nodiscard]] double delay() { return random_.one_in(o_.stall_in) ? late() : 0.0; }
+
+    StreamOptions o_;
+    Random random_;
+    double period_, phase_; ///< s
+    long samples_;
+    std::vector<DeviceSample> out_{};
+};
+[[nodiscard]] inline std::vector<DeviceSample> deliver(const StreamOptions& options) {
+    return DeviceStream{options}.deliver();
 }
 
 } // namespace hfh::test

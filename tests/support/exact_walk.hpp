@@ -70,8 +70,8 @@ exact_overlap(WholePoint a, WholePoint b, WholePoint low, WholePoint high) {
 [[nodiscard]] inline std::vector<ExactSpan> exact_cells(const WholeLattice& w, const CellRange& range,
                                                         WholePoint a, WholePoint b) {
     std::vector<ExactSpan> found;
-    for (Index j = range.first.j; j < range.last.j; ++j) {
-        for (Index i = range.first.i; i < range.last.i; ++i) {
+    for (Index j = range.begin.j; j < range.end.j; ++j) {
+        for (Index i = range.begin.i; i < range.end.i; ++i) {
             const WholePoint low{i * w.step[0], j * w.step[1]}, high{low[0] + w.step[0], low[1] + w.step[1]};
             if (const auto t = exact_overlap(a, b, low, high)) found.push_back({{i, j}, t->first, t->second});
         }

@@ -123,10 +123,25 @@ private:
         const long double ramped = gain_ * most, had = distance(sent_, glm::dvec3{0.0});
         if (length > std::max(ramped, had) * (1 + 1e-9L) + 1e-12L) return "below the ramp, or falling to it";
 
-        // What the hand did not make is owed, and paid at the ramp's pace.
         const long double asked = distance(update.asked, glm::dvec3{0.0});
         const long double wanted = asked > most ? most : asked;
-        if (asked_ < 0 || ramp == 0) {
+        const long double kept = held_back(wanted, part);
+
+        // What is sent is on the way from the last force to the one asked for, and there if the slew allows it.
+        const long double scale = asked > 0 ? gain_ * (wanted - kept) / asked : 0.0L;
+        const glm::dvec3 target = update.asked * static_cast<double>(scale);
+        const long double whole = distance(target, sent_);
+        const long double left = whole > allowed ? whole - allowed : 0.0L;
+        const long double error = distance(target, sent) - left;
+        if (error > 1e-9L * most || error < -1e-9L * most) return "goes straight to the force asked for";
+        return nullptr;
+    }
+
+    /// N that are kept back of the `wanted` ones: what the hand did not make is owed, and paid at the ramp's pace, `part` of
+    /// which has passed.
+    [[nodiscard]] long double held_back(long double wanted, long double part) {
+        const long double most = wide(limits_.max_force);
+        if (asked_ < 0 || wide(limits_.ramp) == 0) {
             owed_ = spare_ = 0;
         } else {
             owed_ = owed_ > part * most ? owed_ - part * most : 0.0L;
@@ -139,16 +154,7 @@ private:
         }
         asked_ = wanted;
         const long double sudden = wide(limits_.max_sudden);
-        const long double kept = owed_ > sudden ? owed_ - sudden : 0.0L;
-
-        // What is sent is on the way from the last force to the one asked for, and there if the slew allows it.
-        const long double scale = asked > 0 ? gain_ * (wanted - kept) / asked : 0.0L;
-        const glm::dvec3 target = update.asked * static_cast<double>(scale);
-        const long double whole = distance(target, sent_);
-        const long double left = whole > allowed ? whole - allowed : 0.0L;
-        const long double error = distance(target, sent) - left;
-        if (error > 1e-9L * most || error < -1e-9L * most) return "goes straight to the force asked for";
-        return nullptr;
+        return owed_ > sudden ? owed_ - sudden : 0.0L;
     }
 
     void start_ramp() {
@@ -195,26 +201,29 @@ private:
         const long double fades = 6 * most, gone = passed > 0 ? passed : 0.0L;
         scatter_ = gone < fades ? scatter_ * (fades - gone) / fades : 0.0L;
         moved_ = distance(now.position, last.position);
-        if (now.position != last.position) {
-            const long double since = std::min(latest_ - changed_at_, most);
-            const long double seconds = std::min(std::max(since, mean_) + scatter_, reserve_);
-            const bool jump = moved_ > 1e-150L && // its square may underflow
-                              moved_ > wide(limits_.max_step) + wide(limits_.max_speed) * seconds;
-            if (jump) causes |= bit(GuardTrip::jump);
-            const bool slow = waited_ && moved_ <= wide(limits_.max_step);
-            if (!jump && !stale && !slow) {
-                const long double off = since > mean_ ? since - mean_ : mean_ - since;
-                if (off > scatter_) scatter_ = off;
-                mean_ = (15 * mean_ + since) / 16;
-            }
-            const long double took = moved_ / wide(limits_.max_speed);
-            reserve_ = took < reserve_ ? reserve_ - took : 0.0L;
-            changed_at_ = latest_;
-        }
+        if (now.position != last.position && jumped(stale)) causes |= bit(GuardTrip::jump);
         waited_ = now.position == last.position;
         const bool still = limits_.max_still > 0 && latest_ - changed_at_ > wide(limits_.max_still);
         if (repeats_ > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
         return causes;
+    }
+
+    /// The place has changed by moved_: whether that is a jump. Learns the interval in which places change.
+    [[nodiscard]] bool jumped(bool stale) {
+        const long double since = std::min(latest_ - changed_at_, wide(limits_.max_gap));
+        const long double seconds = std::min(std::max(since, mean_) + scatter_, reserve_);
+        const bool jump = moved_ > 1e-150L && // its square may underflow
+                          moved_ > wide(limits_.max_step) + wide(limits_.max_speed) * seconds;
+        const bool slow = waited_ && moved_ <= wide(limits_.max_step);
+        if (!jump && !stale && !slow) {
+            const long double off = since > mean_ ? since - mean_ : mean_ - since;
+            if (off > scatter_) scatter_ = off;
+            mean_ = (15 * mean_ + since) / 16;
+        }
+        const long double took = moved_ / wide(limits_.max_speed);
+        reserve_ = took < reserve_ ? reserve_ - took : 0.0L;
+        changed_at_ = latest_;
+        return jump;
     }
 
     GuardLimits limits_;

@@ -288,6 +288,28 @@ private:
     }
 }
 
+/// How the height of a stroke goes.
+enum class Way { level, at_random, waving, adrift, falling, on_the_surface, keeping_height };
+
+/// The next height, in metres, of a stylus at `z` over a surface at `surface`, `deep` below it or so, after a motion in plan of
+/// `moved`. `phase`: of a wave, in radians.
+template <Real T>
+[[nodiscard]] double next_height(Way way, double z, double surface, double deep, double moved, double phase,
+                                 double cell, Random& random) {
+    switch (way) {
+    case Way::level: return surface - deep;
+    case Way::at_random: return surface + deep * random.between(-1, 1);
+    case Way::waving: return surface - deep * std::sin(phase);
+    case Way::adrift: return z + moved * random.between(-1, 1);
+    case Way::falling: return z - moved / 2;
+    case Way::on_the_surface:
+        return surface + static_cast<double>(epsilon<T>) * (std::abs(surface) + cell) *
+                             static_cast<double>(random.whole(-6, 2));
+    case Way::keeping_height: break;
+    }
+    return z;
+}
+
 /// Some strokes of a hand that follows the ground, presses, falls, rocks by roundings and stops. Never leaves the grid. Ends
 /// at the first fault.
 template <Real T>
@@ -308,7 +330,6 @@ void stroke_about(LimitedWork<T>& work, const Terrain<T>& ground, Random& random
     };
     work.update(here());
     for (auto strokes = random.whole(1, 6); strokes > 0; --strokes) {
-        enum class Way { level, at_random, waving, adrift, falling, on_the_surface, keeping_height };
         const auto way = static_cast<Way>(random.whole(0, 6));
         const double step = random.one_in(6) ? 4 * static_cast<double>(epsilon<T>)
                                              : log_between(random, 1e-3, random.one_in(10) ? 100 : 5),
@@ -329,18 +350,7 @@ void stroke_about(LimitedWork<T>& work, const Terrain<T>& ground, Random& random
             x = std::clamp(x, 0.01, columns - 0.01), y = std::clamp(y, 0.01, rows - 0.01);
             if (const Wide above = work.surface_above(here()); !std::isnan(above))
                 surface = static_cast<double>(above) + static_cast<double>(here().z);
-            switch (way) {
-            case Way::level: z = surface - deep; break;
-            case Way::at_random: z = surface + deep * random.between(-1, 1); break;
-            case Way::waving: z = surface - deep * std::sin(static_cast<double>(n) * rhythm); break;
-            case Way::adrift: z += dx * far * random.between(-1, 1); break;
-            case Way::falling: z -= dx * far / 2; break;
-            case Way::on_the_surface:
-                z = surface + static_cast<double>(epsilon<T>) * (std::abs(surface) + dx) *
-                                  static_cast<double>(random.whole(-6, 2));
-                break;
-            case Way::keeping_height: break;
-            }
+            z = next_height<T>(way, z, surface, deep, dx * far, static_cast<double>(n) * rhythm, dx, random);
             const auto contact = work.update(here());
             const bool on_its_way = contact.status == ContactStatus::sweep_limit ||
                                     contact.status == ContactStatus::descent_limit;

@@ -1,6 +1,7 @@
 #ifndef HFH_TESTS_SUPPORT_REAL_TERRAINS_HPP
 #define HFH_TESTS_SUPPORT_REAL_TERRAINS_HPP
 
+#include "skip.hpp"
 #include "terrains.hpp"
 
 #include <cstdint>
@@ -19,7 +20,7 @@ namespace hfh::test {
 /// Samples as T (int16 and float32 are exact in float), south row first, holes as NaN. Empty if the file is absent.
 template <Real T>
 [[nodiscard]] std::optional<Terrain<T>> real_terrain(const std::string& name) {
-    const std::string path = std::string{HFH_SHARED_DATA_DIR} + "/" + name;
+    const std::string path = HFH_SHARED_DATA_DIR "/" + name;
     std::ifstream header{path + ".hdr"};
     std::ifstream file{path + ".bil", std::ios::binary};
     if (!header || !file) return {};
@@ -59,6 +60,18 @@ inline const std::vector<std::string> real_terrains_without_holes{
     "spanish_peaks", "sugarhouse_standin", "moab_standin", "devilshole_standin", "enoriver"};
 inline const std::vector<std::string> real_terrains_with_holes{"swissalps_voids", "mshelens_crater",
                                                                "bullet_scan", "kinect_boxes"};
+
+/// Calls each(name, terrain) for those of `names` that are there, and says that the test is skipped if none is.
+template <Real T, class Each>
+void on_real_terrains_or_skip(const std::vector<std::string>& names, Each each) {
+    bool any = false;
+    for (const auto& name : names) {
+        const auto ground = real_terrain<T>(name);
+        if (ground) each(name, *ground);
+        any = any || ground;
+    }
+    if (!any) skip("no terrain of " HFH_SHARED_DATA_DIR " is there");
+}
 
 } // namespace hfh::test
 

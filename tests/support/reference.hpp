@@ -313,42 +313,14 @@ public:
                                         int max_steps = 100000) const {
         Wide tau = 0.5L;
         for (int step = 0; step < max_steps; ++step) {
-            Wide best = 0, du = 0, dv = 0;
-            WideSurfacePoint from = s;
-            each_patch_at(s, [&](const WidePatch& p, Wide u, Wide v, Index i, Index j) {
-                const Point local = seen_from(q, i, j);
-                const Wide zu = p.along_u(v), zv = p.along_v(u), gap = p.height(u, v) - local.z;
-                const Wide fu = p.dx * (u * p.dx - local.x) + gap * zu,
-                           fv = p.dy * (v * p.dy - local.y) + gap * zv;
-                const Wide guu = p.dx * p.dx + zu * zu, gvv = p.dy * p.dy + zv * zv, guv = zu * zv;
-                const auto offer = [&](Wide a, Wide b) {
-                    if ((u <= 0 && a < 0) || (u >= 1 && a > 0) || (v <= 0 && b < 0) || (v >= 1 && b > 0))
-                        return;
-                    const Wide rate =
-                        -(fu * a + fv * b) / std::sqrt(a * a * guu + 2 * a * b * guv + b * b * gvv);
-                    if (rate > best) best = rate, du = a, dv = b, from = {i, j, u, v};
-                };
-                const Wide det = guu * gvv - guv * guv;
-                offer((guv * fv - gvv * fu) / det, (guv * fu - guu * fv) / det);
-                offer(-fu / guu, 0);
-                offer(0, -fv / gvv);
-            });
-            if (!(best > 0)) break;
+            const Downhill way = steepest_way(s, q);
+            if (!(way.rate > 0)) break;
             const Wide before = half_square(s, q);
             bool moved = false;
             for (; !moved && tau > 1e-14L; tau /= 2) {
-                Wide a = tau * du, b = tau * dv;
-                const Wide longest = std::max(std::abs(a), std::abs(b));
+                const Wide longest = std::max(std::abs(tau * way.du), std::abs(tau * way.dv));
                 if (longest < 1e-13L) break;
-                if (longest > stride) a *= stride / longest, b *= stride / longest;
-                const Wide room_a = a > 0 ? (1 - from.u) / a : a < 0 ? -from.u / a : Wide(2);
-                const Wide room_b = b > 0 ? (1 - from.v) / b : b < 0 ? -from.v / b : Wide(2);
-                const Wide part = std::min(std::min(room_a, room_b), Wide(1));
-                WideSurfacePoint to = from;
-                to.u = part == room_a ? (a > 0 ? Wide(1) : Wide(0))
-                                      : std::clamp(from.u + part * a, Wide(0), Wide(1));
-                to.v = part == room_b ? (b > 0 ? Wide(1) : Wide(0))
-                                      : std::clamp(from.v + part * b, Wide(0), Wide(1));
+                const WideSurfacePoint to = moved_by(way, tau, stride);
                 if (half_square(to, q) < before) s = to, moved = true;
             }
             if (!moved) break;
@@ -376,6 +348,53 @@ public:
     }
 
 private:
+    /// A way downhill into a patch, from a point in its coordinates.
+    struct Downhill {
+        WideSurfacePoint from;
+        Wide du = 0, dv = 0;
+        Wide rate = 0; ///< by which ½ distance² falls a metre; 0: nothing leads down
+    };
+    /// The steepest way downhill from s towards q, into any patch that meets there.
+    [[nodiscard]] Downhill steepest_way(const WideSurfacePoint& s, const Point& q) const {
+        Downhill best{s};
+        each_patch_at(s, [&](const WidePatch& p, Wide u, Wide v, Index i, Index j) {
+            const Point local = seen_from(q, i, j);
+            const Wide zu = p.along_u(v), zv = p.along_v(u), gap = p.height(u, v) - local.z;
+            const Wide fu = p.dx * (u * p.dx - local.x) + gap * zu,
+                       fv = p.dy * (v * p.dy - local.y) + gap * zv;
+            const Wide guu = p.dx * p.dx + zu * zu, gvv = p.dy * p.dy + zv * zv, guv = zu * zv;
+            const auto offer = [&](Wide a, Wide b) {
+                if ((u <= 0 && a < 0) || (u >= 1 && a > 0) || (v <= 0 && b < 0) || (v >= 1 && b > 0)) return;
+                const Wide rate = -(fu * a + fv * b) / std::sqrt(a * a * guu + 2 * a * b * guv + b * b * gvv);
+                if (rate > best.rate) best = {{i, j, u, v}, a, b, rate};
+            };
+            const Wide det = guu * gvv - guv * guv;
+            offer((guv * fv - gvv * fu) / det, (guv * fu - guu * fv) / det);
+            offer(-fu / guu, 0);
+            offer(0, -fv / gvv);
+        });
+        return best;
+    }
+    /// tau times the way, but at most `stride` cells and to the first border.
+    [[nodiscard]] static WideSurfacePoint moved_by(const Downhill& way, Wide tau, Wide stride) {
+        Wide a = tau * way.du, b = tau * way.dv;
+        const Wide longest = std::max(std::abs(a), std::abs(b));
+        if (longest > stride) a *= stride / longest, b *= stride / longest;
+        const WideSurfacePoint& from = way.from;
+        const auto room = [](Wide at, Wide by) {
+            return by > 0 ? (1 - at) / by : by < 0 ? -at / by : Wide(2);
+        };
+        const Wide room_a = room(from.u, a), room_b = room(from.v, b);
+        const Wide part = std::min(std::min(room_a, room_b), Wide(1));
+        const auto moved = [part](Wide at, Wide by, Wide room_by) {
+            if (part == room_by) return by > 0 ? Wide(1) : Wide(0);
+            return std::clamp(at + part * by, Wide(0), Wide(1));
+        };
+        WideSurfacePoint to = from;
+        to.u = moved(from.u, a, room_a);
+        to.v = moved(from.v, b, room_b);
+        return to;
+    }
     [[nodiscard]] bool has_height(Index i, Index j) const {
         return holds_number(terrain_->at(i, j)) &&
                std::abs(sample(i, j)) < static_cast<Wide>(no_height_from<S>);

@@ -5,6 +5,7 @@
 
 #include <hfh/contact/proxy_tracker.hpp>
 
+#include <optional>
 #include <string>
 
 // Watches a tracker from outside and says where it breaks its promises. Knows the terrain, the stylus and what update
@@ -90,26 +91,48 @@ private:
     }
 
     [[nodiscard]] std::string judge(const vec3<T>& stylus, const Contact<T>& c) {
-        const Wide eps = static_cast<Wide>(epsilon<T>);
-        const Point q = wide(stylus);
-        const auto under = surface.under(
-            q.x, q.y, Wide(1e-12L) * (1 + std::abs(surface.column_of(q.x)) + std::abs(surface.row_of(q.y))));
-        // Sides are decided in double whatever the scalar, from numbers that are exact: a few roundings.
-        const Wide tolerance =
-            under ? 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<double>)) : Wide(0);
-        const Wide above =
-            under ? q.z - surface.patch(under->i, under->j)->height(under->u, under->v) : Wide(0);
-        const bool solid = options_.surface == SurfaceKind::solid;
+        const Place at = place_of(wide(stylus));
         const bool was_outside = outside_;
         const Side was_side = side_;
-        outside_ = under && ((was_outside && c.touching()) || above > tolerance ||
-                             (was_outside && above >= -tolerance));
-        side_ = !under ? Side::none : c.side;
+        outside_ = at.under && ((was_outside && c.touching()) || at.above > at.tolerance ||
+                                (was_outside && at.above >= -at.tolerance));
+        side_ = !at.under ? Side::none : c.side;
 
         if (!is_finite(c.proxy) || !is_finite(c.normal) || !is_finite(c.penetration) || !is_finite(c.depth)) {
             return "not finite";
         }
         if (c.status == ContactStatus::bad_input) return "refused";
+        if (const std::string fault = judge_work(at.q, c); !fault.empty()) return fault;
+        if (c.touching() != tracker.state().touching()) return "the state remembers something else";
+        if (c.touching()) {
+            if (std::string fault = judge_proxy(at, c); !fault.empty()) return fault;
+            return c.status == ContactStatus::contact ? judge_minimum(at.q, c)
+                   : may_stop(c.patches)              ? std::string{}
+                                                      : "ran out of work";
+        }
+        if (c.proxy != stylus || c.penetration != vec3<T>{T(0)} || c.depth != 0 ||
+            c.normal != vec3<T>{0, 0, 1}) {
+            return "not touching, but something is felt";
+        }
+        return judge_apart(at, c, was_outside, was_side);
+    }
+
+    /// Where a stylus is: what is under it, and how far above that it is, to within `tolerance`.
+    struct Place {
+        Point q;
+        std::optional<WideSurfacePoint> under;
+        Wide tolerance, above; ///< metres; 0 over nothing
+    };
+    [[nodiscard]] Place place_of(const Point& q) const {
+        const auto under = surface.under(
+            q.x, q.y, Wide(1e-12L) * (1 + std::abs(surface.column_of(q.x)) + std::abs(surface.row_of(q.y))));
+        if (!under) return {q, under, Wide(0), Wide(0)};
+        // Sides are decided in double whatever the scalar, from numbers that are exact: a few roundings.
+        return {q, under, 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<double>)),
+                q.z - surface.patch(under->i, under->j)->height(under->u, under->v)};
+    }
+
+    [[nodiscard]] std::string judge_work(const Point& q, const Contact<T>& c) const {
         if (c.patches > options_.max_patches + 16) return "more work than was allowed";
         if (before_.touching()) {
             // The slide, and the casts that tell whether the stylus is free: from the proxy, each shorter than the last.
@@ -120,51 +143,69 @@ private:
                 return "more work than was allowed in contact";
             }
         }
-        if (c.touching() != tracker.state().touching()) return "the state remembers something else";
-        if (c.touching()) {
-            const WideSurfacePoint at = wide(c.point);
-            if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) return "proxy outside its cell";
-            if (!surface.patch(at.i, at.j)) return "proxy on no patch";
-            if (c.side == Side::none || (solid && c.side != Side::above)) return "felt from no side";
-            const Point proxy = surface.position(at), offset = proxy - q;
-            const Wide blur = surface.blur(at, q, eps) + surface.blur(at, proxy, eps) +
-                              eps * (std::abs(q.x) + std::abs(q.y) + surface.dx() + surface.dy());
-            if (length(wide(c.proxy) - proxy) > 16 * blur) return "proxy off the surface";
-            const Point n = surface.normal(at);
-            const Wide sign = c.side == Side::below ? Wide(-1) : Wide(1);
-            if (length(wide(c.normal) - Point{sign * n.x, sign * n.y, sign * n.z}) > 32 * eps)
-                return "wrong normal";
-            const Point penetration = wide(c.penetration);
-            if (c.depth > 0 && length(penetration - offset) > 16 * blur)
-                return "penetration is not proxy - stylus";
-            if (std::abs(length(penetration) - static_cast<Wide>(c.depth)) >
-                8 * eps * length(penetration) + std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()))) {
-                return "depth is not the length of penetration";
-            }
-            // At a vertex among patches of very different slopes the averaged normal may be wrong about inside and
-            // outside. The way from the proxy to the stylus tells: it goes in at once.
-            // A proxy on its way may be anywhere: what counts is that the stylus has the surface over it.
-            const bool gliding = c.status == ContactStatus::descent_limit;
-            const bool covered = gliding && under && sign * above < tolerance;
-            if (c.depth > 0 && sign * dot(offset, n) < -16 * blur && !covered && !goes_in(proxy, q, sign))
-                return "pulls towards the surface";
-            if (gliding && under && sign * above < -std::max(tolerance, 32 * surface.blur(*under, q, eps)) &&
-                !(c.depth > 0))
-                return "nothing felt on the way, though the stylus is inside";
-            if (c.status == ContactStatus::contact) {
-                if (!(c.depth > 0) && length(offset) > 64 * blur) return "in contact without penetration";
-                const Wide fall = surface.template fall<T>(at, q);
-                if (fall > 64)
-                    return "a patch leads down: " + std::to_string(static_cast<double>(fall)) + " ulp-scales";
-            } else if (!may_stop(c.patches)) {
-                return "ran out of work";
-            }
-            return {};
+        return {};
+    }
+
+    /// Where the proxy is, its normal, and what is felt.
+    [[nodiscard]] std::string judge_proxy(const Place& place, const Contact<T>& c) const {
+        const WideSurfacePoint at = wide(c.point);
+        const auto& [q, under, tolerance, above] = place;
+        const Wide eps = static_cast<Wide>(epsilon<T>);
+        const bool solid = options_.surface == SurfaceKind::solid;
+        if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) return "proxy outside its cell";
+        if (!surface.patch(at.i, at.j)) return "proxy on no patch";
+        if (c.side == Side::none || (solid && c.side != Side::above)) return "felt from no side";
+        const Point proxy = surface.position(at), offset = proxy - q;
+        const Wide blur = proxy_blur(at, q, proxy, eps);
+        if (length(wide(c.proxy) - proxy) > 16 * blur) return "proxy off the surface";
+        const Point n = surface.normal(at);
+        const Wide sign = c.side == Side::below ? Wide(-1) : Wide(1);
+        if (length(wide(c.normal) - Point{sign * n.x, sign * n.y, sign * n.z}) > 32 * eps)
+            return "wrong normal";
+        const Point penetration = wide(c.penetration);
+        if (c.depth > 0 && length(penetration - offset) > 16 * blur)
+            return "penetration is not proxy - stylus";
+        if (std::abs(length(penetration) - static_cast<Wide>(c.depth)) >
+            8 * eps * length(penetration) + std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()))) {
+            return "depth is not the length of penetration";
         }
-        if (c.proxy != stylus || c.penetration != vec3<T>{T(0)} || c.depth != 0 ||
-            c.normal != vec3<T>{0, 0, 1}) {
-            return "not touching, but something is felt";
-        }
+        // At a vertex among patches of very different slopes the averaged normal may be wrong about inside and
+        // outside. The way from the proxy to the stylus tells: it goes in at once.
+        // A proxy on its way may be anywhere: what counts is that the stylus has the surface over it.
+        const bool gliding = c.status == ContactStatus::descent_limit;
+        const bool covered = gliding && under && sign * above < tolerance;
+        if (c.depth > 0 && sign * dot(offset, n) < -16 * blur && !covered && !goes_in(proxy, q, sign))
+            return "pulls towards the surface";
+        if (gliding && under && sign * above < -std::max(tolerance, 32 * surface.blur(*under, q, eps)) &&
+            !(c.depth > 0))
+            return "nothing felt on the way, though the stylus is inside";
+        return {};
+    }
+
+    /// At the end of a slide.
+    [[nodiscard]] std::string judge_minimum(const Point& q, const Contact<T>& c) const {
+        const WideSurfacePoint at = wide(c.point);
+        const Wide eps = static_cast<Wide>(epsilon<T>);
+        const Point proxy = surface.position(at), offset = proxy - q;
+        if (!(c.depth > 0) && length(offset) > 64 * proxy_blur(at, q, proxy, eps))
+            return "in contact without penetration";
+        const Wide fall = surface.template fall<T>(at, q);
+        if (fall > 64)
+            return "a patch leads down: " + std::to_string(static_cast<double>(fall)) + " ulp-scales";
+        return {};
+    }
+    /// Metres, by which a proxy and its offset may be wrong.
+    [[nodiscard]] Wide proxy_blur(const WideSurfacePoint& at, const Point& q, const Point& proxy,
+                                  Wide eps) const {
+        return surface.blur(at, q, eps) + surface.blur(at, proxy, eps) +
+               eps * (std::abs(q.x) + std::abs(q.y) + surface.dx() + surface.dy());
+    }
+
+    /// Not in contact: whether the status fits the place.
+    [[nodiscard]] std::string judge_apart(const Place& place, const Contact<T>& c, bool was_outside,
+                                          Side was_side) const {
+        const auto& [q, under, tolerance, above] = place;
+        const bool solid = options_.surface == SurfaceKind::solid;
         switch (c.status) {
         case ContactStatus::sweep_limit: return may_stop(c.patches) ? "" : "ran out of work";
         case ContactStatus::free:
@@ -187,6 +228,7 @@ private:
         default: return "impossible status";
         }
     }
+
     /// Whether the segment from the proxy leads below the surface (sign 1; above it: −1) over its first hundredth of a
     /// cell.
     [[nodiscard]] bool goes_in(const Point& proxy, const Point& to, Wide sign) const {

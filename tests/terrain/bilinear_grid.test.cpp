@@ -69,8 +69,8 @@ TEMPLATE_PRODUCT_TEST_CASE("bilinear_grid: a patch is four neighbouring samples 
     const BilinearGrid<T, HeightView<S>> grid{HeightView{samples.data(), w, h}, frame};
 
     REQUIRE(grid.status() == GridStatus::ok);
-    CHECK(grid.cells().first == Cell{0, 0});
-    CHECK(grid.cells().last == Cell{w - 1, h - 1});
+    CHECK(grid.cells().begin == Cell{0, 0});
+    CHECK(grid.cells().end == Cell{w - 1, h - 1});
     CHECK(grid.lattice().origin() == glm::dvec2{100, 200});
     CHECK(grid.lattice().spacing() == glm::dvec2{10, 2.5});
     CHECK(grid.heights().data() == samples.data());
@@ -345,7 +345,7 @@ TEMPLATE_TEST_CASE("bilinear_grid: looks at any heights that can be asked like a
     using Grid = BilinearGrid<T, Formula>;
     STATIC_REQUIRE(hfh::HeightField<Grid>);
     const Grid grid{Formula{}, {{0, 0}, {1, 1}, 2}};
-    CHECK(grid.cells().last == Cell{4, 3});
+    CHECK(grid.cells().end == Cell{4, 3});
     CHECK(grid.patch({2, 1}) == std::nullopt);
     REQUIRE(grid.patch({3, 2}));
     CHECK(grid.patch({3, 2})->p00 == 64);

@@ -122,10 +122,10 @@ TEMPLATE_TEST_CASE("ExtendedField: reaches as far as cells can be numbered and r
     const auto grid = ground.grid();
     const ExtendedField field{grid};
     const CellRange all = field.cells();
-    CHECK(field.patch(all.first)->p11 == 0);
-    CHECK(field.patch({all.last.i - 1, all.last.j - 1})->p00 == 36);
-    CHECK_FALSE(field.patch(all.last));
-    CHECK_FALSE(field.patch({all.first.i - 1, 0}));
+    CHECK(field.patch(all.begin)->p11 == 0);
+    CHECK(field.patch({all.end.i - 1, all.end.j - 1})->p00 == 36);
+    CHECK_FALSE(field.patch(all.end));
+    CHECK_FALSE(field.patch({all.begin.i - 1, 0}));
     constexpr Index most = std::numeric_limits<Index>::max(), least = std::numeric_limits<Index>::min();
     CHECK_FALSE(field.patch({most, most}));
     CHECK_FALSE(field.patch({least, 2}));
@@ -142,6 +142,48 @@ TEMPLATE_TEST_CASE("ExtendedField: reaches as far as cells can be numbered and r
     CHECK(tracker.update({T(1e17), T(2), T(19.5)}).status == ContactStatus::bad_input);
 }
 
+/// N: by how much a force changed at most in one update, over an extended field, and by how much it fell without extension.
+struct Steps {
+    double largest = 0, drop = 0;
+};
+
+/// A stroke `deep` metres under the ground out over the rim along `way` and back, `step` times that an update.
+template <Real T>
+Steps stroke_over_rim(const Terrain<T>& ground, SurfaceKind kind, const glm::dvec2& way, double stiffness,
+                      double deep, double step, bool is_plane) {
+    const Surface<T> surface{ground};
+    const auto grid = ground.grid();
+    const ExtendedField field{grid};
+    ProxyTracker tracker{field, {.surface = kind}};
+    ProxyTracker released{grid, {.surface = kind}};
+    const ForceEvaluator<T> force{.stiffness = T(stiffness)};
+    vec3<T> before{T(0)};
+    Steps steps;
+    double last_released = 0;
+    const int there = 1200;
+    for (int n = -100; n <= 2 * there; ++n) {
+        // n < 0: down from above; then out and back.
+        const double s = step * (n < 0 ? 0 : n <= there ? n : 2 * there - n);
+        const double x = 5.3 + s * way.x, y = 4.4 + s * way.y;
+        const double z =
+            static_cast<double>(*level_height(ground, surface, x, y)) - deep * (n < 0 ? 1 + n / 50.0 : 1.0);
+        const vec3<T> at{static_cast<T>(x), static_cast<T>(y), static_cast<T>(z)};
+        const auto contact = tracker.update(at);
+        const double before_release = last_released;
+        last_released = static_cast<double>(glm::length(force(released.update(at)).newtons));
+        steps.drop = std::max(steps.drop, before_release - last_released);
+        const vec3<T> now = force(contact).newtons;
+        if (n >= 0) {
+            REQUIRE(contact.status == ContactStatus::contact);
+            if (is_plane) CHECK(now == vec3<T>{T(0), T(0), now.z});
+            if (n > 0)
+                steps.largest = std::max(steps.largest, static_cast<double>(glm::length(now - before)));
+        }
+        before = now;
+    }
+    return steps;
+}
+
 TEMPLATE_TEST_CASE("ExtendedField: a stroke over the rim neither kicks nor drops", "[extended_field]", float,
                    double) {
     using T = TestType;
@@ -156,40 +198,12 @@ TEMPLATE_TEST_CASE("ExtendedField: a stroke over the rim neither kicks nor drops
                             {"tilted", tilted_plane<T>(12, 10, 0.25, -0.125), 0.28},
                             {"hills", hills<T>(12, 10, 0.5, 8), 0.4}};
     for (const auto& [name, ground, crease] : scenes) {
-        const Surface<T> surface{ground};
-        const auto grid = ground.grid();
-        const ExtendedField field{grid};
         for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
             for (const auto& way :
                  {glm::dvec2{1, 0}, glm::dvec2{-1, 0}, glm::dvec2{0, 1}, glm::dvec2{0, -1}, glm::dvec2{1, 1},
                   glm::dvec2{-1, 1}, glm::dvec2{1, -0.8}, glm::dvec2{-1, -0.8}}) {
                 CAPTURE(name, way.x, way.y);
-                ProxyTracker tracker{field, {.surface = kind}};
-                ProxyTracker released{grid, {.surface = kind}};
-                const ForceEvaluator<T> force{.stiffness = T(k)};
-                vec3<T> before{T(0)};
-                double largest = 0, drop = 0, last_released = 0;
-                const int there = 1200;
-                for (int n = -100; n <= 2 * there; ++n) {
-                    // n < 0: down from above; then out and back.
-                    const double s = step * (n < 0 ? 0 : n <= there ? n : 2 * there - n);
-                    const double x = 5.3 + s * way.x, y = 4.4 + s * way.y;
-                    const double z = static_cast<double>(*level_height(ground, surface, x, y)) -
-                                     deep * (n < 0 ? 1 + n / 50.0 : 1.0);
-                    const vec3<T> at{static_cast<T>(x), static_cast<T>(y), static_cast<T>(z)};
-                    const auto contact = tracker.update(at);
-                    const double before_release = last_released;
-                    last_released = static_cast<double>(glm::length(force(released.update(at)).newtons));
-                    drop = std::max(drop, before_release - last_released);
-                    const vec3<T> now = force(contact).newtons;
-                    if (n >= 0) {
-                        REQUIRE(contact.status == ContactStatus::contact);
-                        if (crease == 0) CHECK(now == vec3<T>{T(0), T(0), now.z});
-                        if (n > 0)
-                            largest = std::max(largest, static_cast<double>(glm::length(now - before)));
-                    }
-                    before = now;
-                }
+                const auto [largest, drop] = stroke_over_rim(ground, kind, way, k, deep, step, crease == 0);
                 // k times the motion, which is no longer than step·(√2 + slope), and where the proxy goes over a
                 // crease the change of slope times the depth.
                 CHECK(largest <= k * (step * (1.42 + 0.6) + deep * crease));
@@ -251,5 +265,5 @@ TEST_CASE("ExtendedField: needs the field only", "[extended_field]") {
     const ExtendedField once{grid};
     const ExtendedField<ExtendedField<Grid>> twice{once};
     CHECK(twice.patch({-7, 9})->p00 == once.patch({-7, 9})->p00);
-    CHECK(twice.cells().last == once.cells().last);
+    CHECK(twice.cells().end == once.cells().end);
 }

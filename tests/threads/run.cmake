@@ -5,7 +5,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 if(NOT HAS_SANITIZER)
-    message("SKIPPED: this compiler cannot build with the thread sanitizer, or not with its other flags")
+    message("hfh: skipped: this compiler cannot build with the thread sanitizer, or not with its other flags")
     return()
 endif()
 
@@ -20,7 +20,7 @@ if(errors MATCHES "unexpected memory mapping")
             ERROR_VARIABLE errors)
     endif()
     if(NOT setarch OR errors MATCHES "unexpected memory mapping" OR errors MATCHES "failed to set personality")
-        message("SKIPPED: the thread sanitizer cannot place its memory on this kernel, and setarch -R is not allowed")
+        message("hfh: skipped: the thread sanitizer cannot place its memory on this kernel, and setarch -R is not allowed")
         return()
     endif()
 endif()

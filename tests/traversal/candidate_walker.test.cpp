@@ -132,7 +132,7 @@ private:
         cells += exact.size();
         if (order.empty() && difference.empty()) return;
         CAPTURE(whole.origin.x, whole.unit, whole.step[0], whole.step[1]);
-        CAPTURE(range.first.i, range.first.j, range.last.i, range.last.j, a[0], a[1], b[0], b[1]);
+        CAPTURE(range.begin.i, range.begin.j, range.end.i, range.end.j, a[0], a[1], b[0], b[1]);
         CHECK(order == "");
         CHECK(difference == "");
         if (++failures == 5) FAIL("and so on");
@@ -171,15 +171,15 @@ void for_each_lattice_and_range(Each&& each) {
 
 /// Points in and two cells around the range.
 WholePoint somewhere(Random& random, const ExactCheck& check) {
-    return {random.whole((check.range.first.i - 2) * check.whole.step[0],
-                         (check.range.last.i + 2) * check.whole.step[0]),
-            random.whole((check.range.first.j - 2) * check.whole.step[1],
-                         (check.range.last.j + 2) * check.whole.step[1])};
+    return {random.whole((check.range.begin.i - 2) * check.whole.step[0],
+                         (check.range.end.i + 2) * check.whole.step[0]),
+            random.whole((check.range.begin.j - 2) * check.whole.step[1],
+                         (check.range.end.j + 2) * check.whole.step[1])};
 }
 
 WholePoint vertex(Random& random, const ExactCheck& check) {
-    return {random.whole(check.range.first.i - 2, check.range.last.i + 2) * check.whole.step[0],
-            random.whole(check.range.first.j - 2, check.range.last.j + 2) * check.whole.step[1]};
+    return {random.whole(check.range.begin.i - 2, check.range.end.i + 2) * check.whole.step[0],
+            random.whole(check.range.begin.j - 2, check.range.end.j + 2) * check.whole.step[1]};
 }
 
 } // namespace
@@ -334,6 +334,27 @@ TEST_CASE("candidate_walker: a segment of thousands of cells drifts nowhere", "[
     CHECK(longest > 5000);
 }
 
+/// Whether the segment from a to b meets cell c grown by `margin` cells on every side.
+bool meets_grown(const glm::dvec2& origin, const glm::dvec2& spacing, const glm::dvec2& a,
+                 const glm::dvec2& b, Cell c, long double margin) {
+    using Exact = long double;
+    Exact t_in = 0, t_out = 1;
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto along = [&](const glm::dvec2& p) { return static_cast<Exact>(axis == 0 ? p.x : p.y); };
+        const Exact from = (along(a) - along(origin)) / along(spacing);
+        const Exact to = (along(b) - along(origin)) / along(spacing);
+        const auto line = static_cast<Exact>(axis == 0 ? c.i : c.j);
+        const Exact low = line - margin, high = line + 1 + margin;
+        if (from == to) {
+            if (from < low || from > high) return false;
+            continue;
+        }
+        t_in = std::max(t_in, std::min((low - from) / (to - from), (high - from) / (to - from)));
+        t_out = std::min(t_out, std::max((low - from) / (to - from), (high - from) / (to - from)));
+    }
+    return t_in <= t_out;
+}
+
 TEST_CASE("candidate_walker: on numbers that are not exact it errs by less than a billionth of a cell",
           "[walker][law]") {
     using Exact = long double;
@@ -362,31 +383,14 @@ TEST_CASE("candidate_walker: on numbers that are not exact it errs by less than 
         CAPTURE(n, a.x, a.y, b.x, b.y, origin.x, origin.y, spacing.x, spacing.y);
         REQUIRE(out_of_order(spans, range) == "");
 
-        // Does the segment meet the cell grown by `margin` cells on every side?
         const auto meets = [&](Cell c, Exact margin) {
-            Exact t_in = 0, t_out = 1;
-            for (int axis = 0; axis < 2; ++axis) {
-                const auto along = [&](const glm::dvec2& p) {
-                    return static_cast<Exact>(axis == 0 ? p.x : p.y);
-                };
-                const Exact from = (along(a) - along(origin)) / along(spacing);
-                const Exact to = (along(b) - along(origin)) / along(spacing);
-                const auto line = static_cast<Exact>(axis == 0 ? c.i : c.j);
-                const Exact low = line - margin, high = line + 1 + margin;
-                if (from == to) {
-                    if (from < low || from > high) return false;
-                    continue;
-                }
-                t_in = std::max(t_in, std::min((low - from) / (to - from), (high - from) / (to - from)));
-                t_out = std::min(t_out, std::max((low - from) / (to - from), (high - from) / (to - from)));
-            }
-            return t_in <= t_out;
+            return meets_grown(origin, spacing, a, b, c, margin);
         };
         // Positions of 1e7 m are known to 2e-9 m; grid lines are asked for to no better.
         const Exact margin =
             far > 0 ? 1e-9L + 4e-9L / static_cast<Exact>(std::min(spacing.x, spacing.y)) : 1e-9L;
-        for (Index j = range.first.j; j < range.last.j; ++j) {
-            for (Index i = range.first.i; i < range.last.i; ++i) {
+        for (Index j = range.begin.j; j < range.end.j; ++j) {
+            for (Index i = range.begin.i; i < range.end.i; ++i) {
                 const bool found = std::any_of(spans.begin(), spans.end(), [&](const CellSpan& s) {
                     return s.cell == Cell{i, j};
                 });
@@ -467,6 +471,20 @@ TEST_CASE("candidate_walker: the visitor stops the walk", "[walker]") {
     }
 }
 
+/// NaN where a corner is a hole.
+template <hfh::Real T>
+double highest_corner(const hfh::test::Terrain<T>& terrain, Cell cell) {
+    double highest = -1e9;
+    for (const Index i : {cell.i, cell.i + 1}) {
+        for (const Index j : {cell.j, cell.j + 1}) {
+            const auto corner = static_cast<double>(terrain.at(i, j));
+            highest =
+                std::isnan(corner) || std::isnan(highest) ? corner + highest : std::max(highest, corner);
+        }
+    }
+    return highest;
+}
+
 TEMPLATE_TEST_CASE(
     "candidate_walker: candidates are the patches whose highest corner the segment does not stay above",
     "[walker][law]", float, double) {
@@ -500,14 +518,7 @@ TEMPLATE_TEST_CASE(
             CAPTURE(n, e.cell.i, e.cell.j);
             const auto found = std::count_if(spans.begin(), spans.end(),
                                              [&](const CellSpan& s) { return s.cell == e.cell; });
-            double highest = -1e9;
-            for (const Index i : {e.cell.i, e.cell.i + 1}) {
-                for (const Index j : {e.cell.j, e.cell.j + 1}) {
-                    const auto corner = static_cast<double>(terrain.at(i, j));
-                    highest = std::isnan(corner) || std::isnan(highest) ? corner + highest
-                                                                        : std::max(highest, corner);
-                }
-            }
+            const double highest = highest_corner(terrain, e.cell);
             if (std::isnan(highest)) {
                 ++holes;
                 REQUIRE(found == 0);

@@ -427,34 +427,37 @@ TEMPLATE_TEST_CASE("descend: stays put when started at its own end", "[descent][
     }
 }
 
+/// From the middle of a cell to under a point 14 cells on, over ground that rises by `slope` along x or y; `across` is
+/// where on the other axis.
+template <Real T>
+void check_level_across(bool along_x, double slope, double across, bool forth) {
+    CAPTURE(along_x, slope, across, forth);
+    const auto ground = terrain<T>(20, 20, [&](Index i, Index j) { return slope * double(along_x ? i : j); });
+    const auto grid = ground.grid();
+    const double to = forth ? 16.25 : 3.25, z = slope * to - 1;
+    const Index cell = forth ? 2 : 17;
+    const T on = across == 3.0 ? T(0) : T(0.5);
+    const SurfacePoint<T> start =
+        along_x ? SurfacePoint<T>{{cell, 3}, T(0.5), on} : SurfacePoint<T>{{3, cell}, on, T(0.5)};
+    const vec3<T> query = along_x ? vec3<T>{static_cast<T>(to), static_cast<T>(across), static_cast<T>(z)}
+                                  : vec3<T>{static_cast<T>(across), static_cast<T>(to), static_cast<T>(z)};
+    const auto end = descend(grid, query, start, plenty);
+    CHECK(end.status == DescentStatus::minimum);
+    CHECK((along_x ? end.offset.y : end.offset.x) == 0);
+    // 14 cells on level ground; the foot on a slope lies up to a cell further on. On a line both sides are looked at now
+    // and then.
+    CHECK(end.patches <= (across == 3.0 ? 28 : 18));
+}
+
 TEMPLATE_TEST_CASE("descend: no step is refused along ground that is level across the way", "[descent][law]",
                    float, double) {
     // There a step meets no border across: how far that is, is a quotient 0/0 for a step that begins on it. A step refused
     // counts once more as a patch.
-    using T = TestType;
     for (const bool along_x : {true, false}) {
         for (const double slope : {0.0, 0.5, -3.0}) {
             for (const double across : {3.0, 3.5}) { // on a grid line, and beside it
-                for (const bool forth : {true, false}) {
-                    CAPTURE(along_x, slope, across, forth);
-                    const auto ground =
-                        terrain<T>(20, 20, [&](Index i, Index j) { return slope * double(along_x ? i : j); });
-                    const auto grid = ground.grid();
-                    const double to = forth ? 16.25 : 3.25, z = slope * to - 1;
-                    const Index cell = forth ? 2 : 17;
-                    const T on = across == 3.0 ? T(0) : T(0.5);
-                    const SurfacePoint<T> start = along_x ? SurfacePoint<T>{{cell, 3}, T(0.5), on}
-                                                          : SurfacePoint<T>{{3, cell}, on, T(0.5)};
-                    const vec3<T> query =
-                        along_x ? vec3<T>{static_cast<T>(to), static_cast<T>(across), static_cast<T>(z)}
-                                : vec3<T>{static_cast<T>(across), static_cast<T>(to), static_cast<T>(z)};
-                    const auto end = descend(grid, query, start, plenty);
-                    CHECK(end.status == DescentStatus::minimum);
-                    CHECK((along_x ? end.offset.y : end.offset.x) == 0);
-                    // 14 cells on level ground; the foot on a slope lies up to a cell further on. On a line both sides
-                    // are looked at now and then.
-                    CHECK(end.patches <= (across == 3.0 ? 28 : 18));
-                }
+                for (const bool forth : {true, false})
+                    check_level_across<TestType>(along_x, slope, across, forth);
             }
         }
     }

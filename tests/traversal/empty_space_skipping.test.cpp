@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <vector>
 
-// What first_hit passes over without judging it must not change its answer by a bit: it is compared with the plain walk
-// that judges every cell, on fields without bounds and with them.
+// What first_hit passes over without a crossing test must not change its answer by a bit: it is compared with a traversal
+// that tests every cell, on fields without bounds and with them.
 
 using glm::dvec2;
 using glm::dvec3;
@@ -217,7 +217,7 @@ double nudged(Random& random, double x) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("clear stretch: passing over what is clear changes no answer by a bit",
+TEMPLATE_TEST_CASE("empty-space skipping: passing over empty slabs changes no answer by a bit",
                    "[empty_space_skipping][first_hit][law][hard]", float, double) {
     using T = TestType;
     Random random{71};
@@ -267,7 +267,7 @@ TEMPLATE_TEST_CASE("clear stretch: passing over what is clear changes no answer 
     CHECK(same.none > 20'000);
 }
 
-TEMPLATE_TEST_CASE("clear stretch: segments of a thousand cells keep their answer to the bit",
+TEMPLATE_TEST_CASE("empty-space skipping: segments of a thousand cells keep their answer to the bit",
                    "[empty_space_skipping][first_hit][law]", float, double) {
     using T = TestType;
     Random random{72};
@@ -299,8 +299,9 @@ TEMPLATE_TEST_CASE("clear stretch: segments of a thousand cells keep their answe
     CHECK(same.misses > 1'000);
 }
 
-TEMPLATE_TEST_CASE("clear stretch: depths, whose height falls as they rise, keep their answer to the bit",
-                   "[empty_space_skipping][first_hit][law]", float, double) {
+TEMPLATE_TEST_CASE(
+    "empty-space skipping: depths, whose height falls as they rise, keep their answer to the bit",
+    "[empty_space_skipping][first_hit][law]", float, double) {
     using T = TestType;
     Random random{76};
     const auto ground = hfh::test::hills<T>(400, 300, 40, 37);
@@ -323,7 +324,7 @@ TEMPLATE_TEST_CASE("clear stretch: depths, whose height falls as they rise, keep
     CHECK(same.misses > 500);
 }
 
-TEMPLATE_TEST_CASE("clear stretch: heights of every size, and neighbours of another one",
+TEMPLATE_TEST_CASE("empty-space skipping: heights of every size, and neighbours of another one",
                    "[empty_space_skipping][first_hit][hard]", float, double) {
     using T = TestType;
     Random random{74};
@@ -348,8 +349,9 @@ TEMPLATE_TEST_CASE("clear stretch: heights of every size, and neighbours of anot
     CHECK(same.misses > 20'000);
 }
 
-TEMPLATE_TEST_CASE("clear stretch: a segment that grazes the ground to the ulp keeps its answer to the bit",
-                   "[empty_space_skipping][first_hit][law][hard]", float, double) {
+TEMPLATE_TEST_CASE(
+    "empty-space skipping: a segment that grazes the ground to the ulp keeps its answer to the bit",
+    "[empty_space_skipping][first_hit][law][hard]", float, double) {
     using T = TestType;
     Random random{76};
     SameAsPlain same;
@@ -388,7 +390,7 @@ TEMPLATE_TEST_CASE("clear stretch: a segment that grazes the ground to the ulp k
 }
 
 TEMPLATE_TEST_CASE(
-    "clear stretch: it never looks at more cells than allowed, and goes on from where it stopped",
+    "empty-space skipping: it never looks at more cells than allowed, and goes on from where it stopped",
     "[empty_space_skipping][first_hit][law]", float, double) {
     using T = TestType;
     Random random{75};
@@ -414,7 +416,7 @@ TEMPLATE_TEST_CASE(
                 const auto found = hfh::first_hit(counting, from, b, {.side = side, .max_cells = limit});
                 REQUIRE(found.cells <=
                         std::max<Index>(limit, 4) + (hfh::BoundedHeightField<decltype(counting)> ? 4 : 0));
-                // A column asks for one cell or two, and once more where it is judged.
+                // A slab asks for one cell or two, and once more where it is tested.
                 REQUIRE(asked + blocks <= 4 * std::max<Index>(limit, 4) + 8);
                 done += (1 - done) * found.t;
                 side = found.side;
@@ -434,7 +436,7 @@ TEMPLATE_TEST_CASE(
     CHECK(with_limits(bounded.grid) > 2'000);
 }
 
-TEMPLATE_TEST_CASE("clear stretch: a long flight over low ground asks for few patches and judges none",
+TEMPLATE_TEST_CASE("empty-space skipping: a long flight over low ground asks for few patches and tests none",
                    "[empty_space_skipping]", float, double) {
     using T = TestType;
     const auto ground = hfh::test::plane<T>(1001, 11, 0);
@@ -450,8 +452,9 @@ TEMPLATE_TEST_CASE("clear stretch: a long flight over low ground asks for few pa
     CHECK(asked == 4);
 }
 
-TEMPLATE_TEST_CASE("clear stretch: bounds let a long flight ask for few blocks and no patch, on either side",
-                   "[empty_space_skipping]", float, double) {
+TEMPLATE_TEST_CASE(
+    "empty-space skipping: bounds let a long flight ask for few blocks and no patch, on either side",
+    "[empty_space_skipping]", float, double) {
     using T = TestType;
     const auto ground = hfh::test::hills<T>(4001, 301, 10, 37);
     const Bounded<T> bounded{ground};
@@ -473,7 +476,7 @@ TEMPLATE_TEST_CASE("clear stretch: bounds let a long flight ask for few blocks a
     }
 }
 
-TEMPLATE_TEST_CASE("clear stretch: bounds help a flight along the diagonal of the blocks as well",
+TEMPLATE_TEST_CASE("empty-space skipping: bounds help a flight along the diagonal of the blocks as well",
                    "[empty_space_skipping]", float, double) {
     using T = TestType;
     const auto ground = hfh::test::hills<T>(1025, 1025, 10, 38);
@@ -494,8 +497,9 @@ TEMPLATE_TEST_CASE("clear stretch: bounds help a flight along the diagonal of th
     }
 }
 
-TEMPLATE_TEST_CASE("clear stretch: a peak in the block between two vertices is in the way of the diagonal",
-                   "[empty_space_skipping]", float, double) {
+TEMPLATE_TEST_CASE(
+    "empty-space skipping: a peak in the block between two vertices is in the way of the diagonal",
+    "[empty_space_skipping]", float, double) {
     using T = TestType;
     auto ground = hfh::test::hills<T>(1025, 1025, 10, 38);
     ground.at(505, 505) = T(50);

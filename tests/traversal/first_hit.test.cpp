@@ -63,7 +63,7 @@ std::string misplaced(const Terrain<T>& terrain, const dvec3& a, const dvec3& b,
     return wrong.str();
 }
 
-/// Compares with brute force. A segment that grazes the surface within `blur` metres may be answered either way;
+/// Compares with brute force. A segment that grazes the surface within `rounding_bound` metres may be answered either way;
 /// `clear` counts those that may not.
 template <class T>
 struct Compare {
@@ -88,11 +88,11 @@ struct Compare {
 
     void check(const dvec3& a, const dvec3& b, SurfaceKind kind, Side side, const FirstHit<T>& found) {
         // Heights of at most a few hundred metres, a few roundings of each.
-        constexpr long double blur = 1e-11L;
+        constexpr long double rounding_bound = 1e-11L;
         const auto pieces = hfh::test::hit_pieces(terrain, a, b);
         const auto exact = brute_force_hit(pieces, kind, side);
-        const auto lifted = brute_force_hit(pieces, kind, side, blur);
-        const auto lowered = brute_force_hit(pieces, kind, side, -blur);
+        const auto lifted = brute_force_hit(pieces, kind, side, rounding_bound);
+        const auto lowered = brute_force_hit(pieces, kind, side, -rounding_bound);
         CAPTURE(a.x, a.y, a.z, b.x, b.y, b.z, static_cast<int>(kind), static_cast<int>(side));
         CAPTURE(static_cast<double>(exact.t), exact.hit, found.t);
         REQUIRE(found.status != HitStatus::cell_limit);
@@ -437,7 +437,7 @@ TEMPLATE_TEST_CASE("first_hit: in and out of the same patch", "[first_hit][hard]
     CHECK(bowl(1, sheet).status == HitStatus::miss);
     CHECK(bowl(1 - 1e-12).status == HitStatus::miss);
     CHECK(bowl(1 + 1e-12).status == HitStatus::hit);
-    // The last stretch, in the solid from the start of the segment.
+    // The last part, in the solid from the start of the segment.
     const auto tail = first_hit(grid, dvec3{0.8, 0.8, 1.25}, dvec3{1, 1, 1.25});
     CHECK(tail.status == HitStatus::miss);
     CHECK(tail.side == Side::below);

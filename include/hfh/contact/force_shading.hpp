@@ -12,41 +12,61 @@
 
 namespace hfh {
 
+namespace detail {
+
+/// The slopes of the surface at the four vertices of a cell, each a mean over the patches that meet there.
+template <Real T>
+class VertexSlopes {
+public:
+    /// Counts the patch that lies di columns and dj rows beside the cell, each −1, 0 or 1, at those vertices of the cell
+    /// that it has.
+    void add(const BilinearPatch<T>& patch, Index di, Index dj) noexcept {
+        for (Index b = std::max(dj, Index(0)); b <= std::min(dj + 1, Index(1)); ++b) {
+            for (Index a = std::max(di, Index(0)); a <= std::min(di + 1, Index(1)); ++a) {
+                sum_[b][a] += vec2<T>{(b == dj ? patch.p10 - patch.p00 : patch.p11 - patch.p01),
+                                      (a == di ? patch.p01 - patch.p00 : patch.p11 - patch.p10)} /
+                              patch.spacing;
+                ++patches_[b][a];
+            }
+        }
+    }
+
+    /// The mean slopes, metres per metre, at vertex (a, b) of the cell. Precondition: the cell's own patch was added.
+    [[nodiscard]] vec2<T> mean(int a, int b) const noexcept {
+        return sum_[b][a] / static_cast<T>(patches_[b][a]);
+    }
+
+private:
+    vec2<T> sum_[2][2]{{vec2<T>{T(0)}, vec2<T>{T(0)}}, {vec2<T>{T(0)}, vec2<T>{T(0)}}};
+    int patches_[2][2]{};
+};
+
+} // namespace detail
+
 /// The slopes ∂z/∂x and ∂z/∂y, in metres per metre, that shading gives a surface point: those at the four vertices of
-/// its cell, interpolated bilinearly. The slopes at a vertex are the mean over the patches that meet there, as many
-/// as there are: with all four, the central differences of the samples.
+/// its cell, interpolated bilinearly. The slopes at a vertex are the mean over the patches that meet there, holes left
+/// out: with all four patches they are the central differences of the samples.
 ///
 /// Continuous over the whole surface: neighbouring cells compute the slopes of a vertex from the same patches in the
 /// same order and interpolate along an edge by the same expression, so a point of an edge or a vertex has the same
-/// slopes in each of them, to the bit. Looks at nine patches. Empty where there is no patch.
+/// slopes in each of them, to the bit. Reads nine patches. Empty where there is no patch.
 template <HeightField Field>
 [[nodiscard]] std::optional<vec2<typename Field::Scalar>>
 shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& point) noexcept {
     using T = typename Field::Scalar;
-    // Slopes at vertex (a, b) of the cell, summed over patches south-west, south-east, north-west, north-east of it.
-    vec2<T> sum[2][2]{{vec2<T>{T(0)}, vec2<T>{T(0)}}, {vec2<T>{T(0)}, vec2<T>{T(0)}}};
-    int patches[2][2]{};
-    for (int dj = -1; dj <= 1; ++dj) {
-        for (int di = -1; di <= 1; ++di) {
+    detail::VertexSlopes<T> slopes;
+    for (Index dj = -1; dj <= 1; ++dj) {
+        for (Index di = -1; di <= 1; ++di) {
             const auto patch = field.patch({point.cell.i + di, point.cell.j + dj});
-            if (!patch) {
-                if (di == 0 && dj == 0) return std::nullopt;
-                continue;
-            }
-            for (int b = std::max(dj, 0); b <= std::min(dj + 1, 1); ++b) {
-                for (int a = std::max(di, 0); a <= std::min(di + 1, 1); ++a) {
-                    sum[b][a] += vec2<T>{(b == dj ? patch->p10 - patch->p00 : patch->p11 - patch->p01),
-                                         (a == di ? patch->p01 - patch->p00 : patch->p11 - patch->p10)} /
-                                 patch->spacing;
-                    ++patches[b][a];
-                }
-            }
+            if (patch)
+                slopes.add(*patch, di, dj);
+            else if (di == 0 && dj == 0)
+                return std::nullopt;
         }
     }
     const T u = point.u, v = point.v;
-    const auto at = [&](int a, int b) { return sum[b][a] / static_cast<T>(patches[b][a]); };
-    const vec2<T> at_v0 = (T(1) - u) * at(0, 0) + u * at(1, 0);
-    const vec2<T> at_v1 = (T(1) - u) * at(0, 1) + u * at(1, 1);
+    const vec2<T> at_v0 = (T(1) - u) * slopes.mean(0, 0) + u * slopes.mean(1, 0);
+    const vec2<T> at_v1 = (T(1) - u) * slopes.mean(0, 1) + u * slopes.mean(1, 1);
     return (T(1) - v) * at_v0 + v * at_v1;
 }
 
@@ -55,10 +75,10 @@ shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& po
 ///
 ///     normal = ± (−∂z/∂x, −∂z/∂y, 1) / |…|,   penetration = depth·normal,   depth, proxy and point as they were
 ///
-/// The proxy is still the true one, so penetration is no longer proxy − stylus: a force evaluator, damping and
-/// friction go by penetration and normal and take the result as they take any contact. Shading comes first, right
-/// behind the tracker: tracker, shading, friction, damping with the force. A contact that does not touch is
-/// returned as it is. Has no state, does not throw, does not allocate.
+/// The proxy is the true one, so the penetration of the result is not proxy − stylus. Force evaluator, damping and
+/// friction go by penetration and normal, and take the result as they take any contact. Shading comes right behind the
+/// tracker: tracker, shading, friction, then damping with the force. A contact that does not touch is returned as it
+/// is. Has no state, does not throw, does not allocate.
 template <HeightField Field>
 [[nodiscard]] Contact<typename Field::Scalar>
 shade_force(const Field& field, const Contact<typename Field::Scalar>& contact) noexcept {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 // Based on: Harwin and Melder, Improved Haptic Rendering for Multi-Finger Manipulation Using Friction Cone Based
 // God-Objects (2002): the proxy stays where it is as long as the stylus is inside the friction cone under it. The
@@ -18,10 +19,12 @@ namespace hfh {
 /// Everything that friction remembers: a trivially copyable value.
 template <Real T>
 struct FrictionState {
-    SurfacePoint<T>
-        anchor{}; ///< touching: the proxy that is held back; moves with its ground when that is edited
-    Side side = Side::none; ///< touching: the side that is felt; else none
-    bool slipping = false;  ///< the anchor moved in the last update
+    /// In contact: the surface point that holds the proxy back. It moves with its patch when heights are edited.
+    SurfacePoint<T> anchor{};
+    /// In contact: the side on which the surface is felt; else none.
+    Side side = Side::none;
+    /// The anchor moved in the last update.
+    bool slipping = false;
 };
 
 /// Coulomb friction: holds the proxy of a contact back inside the friction cone.
@@ -29,25 +32,26 @@ struct FrictionState {
 ///     const auto contact = friction.hold(grid, tracker.update(position), position);
 ///     device.send(force(contact).newtons);
 ///
-/// The anchor is a surface point. While the stylus is inside the cone of the static coefficient under it,
-/// |tangential part of (anchor − stylus)| ≤ at_rest·(normal part), it stays, to the bit. When it is not, the
-/// anchor slips: along the surface over the straight way in plan to the tracker's proxy, to the first point that has
-/// the stylus inside the cone of the dynamic coefficient (within 8 roundings); as far as the proxy itself if none
-/// has, where only the frictionless force is left. While it slips the dynamic coefficient goes on to hold, until the
-/// stylus is found inside its cone. So a hand at rest feels no drift and one that slides feels
-/// |tangential force| = sliding·(normal force).
+/// The anchor is a surface point. It sticks, to the bit, while the stylus is inside the cone of the static coefficient
+/// that hangs from it: |tangential part of (anchor − stylus)| ≤ at_rest·(normal part). When the stylus is outside, the
+/// anchor slips: on the surface, straight in plan towards the tracker's proxy, to the first point whose cone of the dynamic
+/// coefficient has the stylus inside (to within 8 roundings). If no point has, it slips to the proxy, and only the
+/// frictionless force is left. After a slip the dynamic coefficient decides until the stylus is found inside its cone. So
+/// a hand at rest feels no drift, and one that slides feels |tangential force| = sliding·(normal force).
 ///
-/// Where patches meet, on an edge or a vertex, every normal between theirs is the ground's, so a cone hangs from
-/// each: in a valley only the part along the valley is tangential, and it slips at the same angle however steep the
-/// sides are; in a pit nothing is. A way to a proxy in a valley therefore first follows the face down into it.
+/// Where patches meet, on an edge or a vertex, every normal between theirs counts as the ground's, and a cone hangs from
+/// each. In a valley only the part of the force along the valley is then tangential, so the anchor slips at the same angle
+/// however steep the sides are; in a pit no part is. The way to a proxy in a valley therefore leads down the face
+/// into the valley first, and then along it.
 ///
-/// First contact sets the anchor to the proxy, release clears it, bad_input leaves it alone. It is also set to the
-/// proxy (no hold for this update) where the way to it leads over a hole or the rim, is longer than max_cells cells,
-/// if the ground under the anchor is gone, and on a change of sides. Of a cell on the way both ends and the point
-/// nearest to the stylus are looked at; a cone that is entered and left between these is passed over.
+/// First contact sets the anchor to the proxy, release clears it, bad_input leaves it alone. It is also set to the proxy
+/// (no hold for this update) where the way leads over a hole or the rim or is longer than max_cells cells, where the patch
+/// under the anchor is gone, and where the contact changes sides. In each cell of the way three points are tested: both
+/// ends and the point nearest to the stylus. Where the stylus is inside the cone only between these, the anchor slips
+/// past.
 ///
-/// The result has proxy and point of the anchor, and penetration + (anchor − proxy); normal stays. So a contact that
-/// was shaded (force_shading.hpp) before keeps its shading. Without contact, depth or friction the contact is
+/// The result has proxy and point of the anchor, and penetration + (anchor − proxy); the normal is the contact's. So a
+/// contact that was shaded before (force_shading.hpp) stays shaded. Without contact, depth or friction the contact is
 /// returned as it is. Does not throw, does not allocate; costs O(cells between anchor and proxy) ≤ max_cells.
 template <Real T>
 class Friction {
@@ -64,7 +68,8 @@ public:
     constexpr explicit Friction(const Coefficients& coefficients = {}, int max_cells = 64) noexcept
         : coefficients_{coefficients}, max_cells_{max_cells} {}
 
-    /// The contact that the tracker found for the stylus at `stylus`, held back. The stylus is finite if it touches.
+    /// The tracker's contact for the stylus at `stylus` (metres), held back. Precondition: the stylus is finite if the
+    /// contact touches.
     template <HeightField Field>
     [[nodiscard]] Contact<T> hold(const Field& field, const Contact<T>& contact,
                                   const vec3<T>& stylus) noexcept {
@@ -78,24 +83,36 @@ public:
         }
         const bool first = state_.side != contact.side || !(contact.depth > 0);
         state_.side = contact.side;
-        if (first || !stays(field, stylus)) {
+        if (first || !sticks(field, stylus)) {
             state_.slipping = !first;
             state_.anchor = first ? contact.point : slip(field, contact.point, stylus);
         } else {
             state_.slipping = false;
         }
-        return held(field, contact, stylus);
+        return at_anchor(field, contact, stylus);
     }
 
-    /// Lets go of the ground.
+    /// Forgets the anchor, as after a release.
     constexpr void reset() noexcept { state_ = {}; }
 
     [[nodiscard]] constexpr const State& state() const noexcept { return state_; }
     constexpr void restore(const State& state) noexcept { state_ = state; }
 
 private:
+    /// The part of a straight way that lies in the cell where it starts. Cells, in plan.
+    struct CellPart {
+        vec2<T> way;       ///< from the start to the end of the whole way
+        T share_u;         ///< of the way, up to the grid line that it crosses along u; 2 if it crosses none
+        T share_v;         ///< the same along v
+        T share;           ///< of the way, that lies in this cell: 0 to 1
+        bool ends = false; ///< the way ends in this cell
+
+        [[nodiscard]] vec2<T> in_cell() const noexcept { return {share * way.x, share * way.y}; }
+    };
+
+    /// Whether the stylus is inside the cone that applies at the anchor.
     template <HeightField Field>
-    [[nodiscard]] bool stays(const Field& field, const vec3<T>& stylus) const noexcept {
+    [[nodiscard]] bool sticks(const Field& field, const vec3<T>& stylus) const noexcept {
         const auto patch = field.patch(state_.anchor.cell);
         if (!patch) return false;
         const T coefficient =
@@ -104,116 +121,146 @@ private:
         return friction_cone(field, *patch, below, state_.anchor, state_.side).outside(coefficient) <= 0;
     }
 
-    /// The first point that holds the stylus on the way from the anchor to `to`, or `to`.
+    /// The first point that holds the stylus on the way from the anchor to `to`; `to` if none does.
     template <HeightField Field>
     [[nodiscard]] SurfacePoint<T> slip(const Field& field, const SurfacePoint<T>& to,
                                        const vec3<T>& stylus) const noexcept {
         int cells = max_cells_;
+        const SurfacePoint<T> corner = way_corner(field, to, stylus);
         SurfacePoint<T> at = state_.anchor;
-        const SurfacePoint<T> corner = meets_crease(field, to, stylus);
-        if (walk(field, corner, stylus, at, cells) || walk(field, to, stylus, at = corner, cells)) return at;
+        if (slip_straight(field, corner, stylus, at, cells)) return at;
+        at = corner;
+        if (slip_straight(field, to, stylus, at, cells)) return at;
         return to;
     }
 
-    /// Where the way bends: `to` if that is within a cell. If it is on a crease, the anchor is drawn down the face that
-    /// it is on, to where the stylus has its foot on the plane of that, and meets the crease between the point
-    /// beside the anchor and `to`.
+    /// The corner of the way to `to`, which is `to` itself unless that lies on an edge or a vertex of its cell. There the
+    /// frictionless anchor first goes down the face that it is on, towards the foot of the stylus on the face's
+    /// tangent plane. The corner is where this line, in plan, reaches the grid line of `to`, but not beyond `to` or
+    /// behind the anchor.
     template <HeightField Field>
-    [[nodiscard]] SurfacePoint<T> meets_crease(const Field& field, const SurfacePoint<T>& to,
-                                               const vec3<T>& stylus) const noexcept {
+    [[nodiscard]] SurfacePoint<T> way_corner(const Field& field, const SurfacePoint<T>& to,
+                                             const vec3<T>& stylus) const noexcept {
         const SurfacePoint<T>& from = state_.anchor;
         const bool on_x = !(to.u > 0 && to.u < 1), on_y = !(to.v > 0 && to.v < 1);
         if (!on_x && !on_y) return to;
         const auto patch = field.patch(from.cell);
         if (!patch) return to;
         const FrictionCone<T> cone{*patch, field.lattice().locate(stylus, from.cell), from.u, from.v};
-        const vec3<T> drawn = glm::dot(cone.offset, cone.normal) * cone.normal - cone.offset;
-        if (!is_finite(drawn)) return to;
-        const vec2<T> by{drawn.x / patch->spacing.x, drawn.y / patch->spacing.y}; // in cells
-        const vec2<T> way{static_cast<T>(to.cell.i - from.cell.i) + (to.u - from.u),
-                          static_cast<T>(to.cell.j - from.cell.j) + (to.v - from.v)};
+        const vec3<T> to_foot = glm::dot(cone.offset, cone.normal) * cone.normal - cone.offset;
+        if (!is_finite(to_foot)) return to;
+        const vec2<T> down{to_foot.x / patch->spacing.x, to_foot.y / patch->spacing.y}; // in cells
+        const vec2<T> way = cells_between(from, to);
+        // How many times `down` it takes to the grid line across x, across y.
         const T never = std::numeric_limits<T>::max();
-        const T at_x = on_x && by.x * way.x > 0 ? way.x / by.x : never;
-        const T at_y = on_y && by.y * way.y > 0 ? way.y / by.y : never;
+        const T to_x = on_x && down.x * way.x > 0 ? way.x / down.x : never;
+        const T to_y = on_y && down.y * way.y > 0 ? way.y / down.y : never;
         const auto between = [](T x, T end) {
             return std::clamp(x, std::min(T(0), end), std::max(T(0), end));
         };
         SurfacePoint<T> corner = to;
-        if (at_x < never && at_x <= at_y) {
-            const T v = from.v + between(by.y * at_x, way.y), whole = std::floor(v);
+        if (to_x < never && to_x <= to_y) {
+            const T v = from.v + between(down.y * to_x, way.y), whole = std::floor(v);
             corner = {{to.cell.i, from.cell.j + static_cast<Index>(whole)}, to.u, v - whole};
-        } else if (at_y < never) {
-            const T u = from.u + between(by.x * at_y, way.x), whole = std::floor(u);
+        } else if (to_y < never) {
+            const T u = from.u + between(down.x * to_y, way.x), whole = std::floor(u);
             corner = {{from.cell.i + static_cast<Index>(whole), to.cell.j}, u - whole, to.v};
         }
         return field.patch(corner.cell) ? corner : to;
     }
 
-    /// Moves `at` straight to `to`, cell by cell, as far as the first point that holds the stylus. False if none does,
-    /// or if the way leads where there is no ground, or the cells are used up: then none are left.
+    /// Moves `at` straight towards `to`, cell by cell, to the first point that holds the stylus. False if none does, if
+    /// the way leads where there is no patch, or if `cells`, the cells that may still be passed, are used up; in the last
+    /// two cases `cells` is then 0.
     template <HeightField Field>
-    [[nodiscard]] bool walk(const Field& field, const SurfacePoint<T>& to, const vec3<T>& stylus,
-                            SurfacePoint<T>& at, int& cells) const noexcept {
+    [[nodiscard]] bool slip_straight(const Field& field, const SurfacePoint<T>& to, const vec3<T>& stylus,
+                                     SurfacePoint<T>& at, int& cells) const noexcept {
         for (; cells > 0; --cells) {
             const auto patch = field.patch(at.cell);
             if (!patch) break;
-            // What is left of the way, in cells, and how much of it this cell has.
-            const T du = static_cast<T>(to.cell.i - at.cell.i) + (to.u - at.u);
-            const T dv = static_cast<T>(to.cell.j - at.cell.j) + (to.v - at.v);
-            const T part_u = du > 0 ? (T(1) - at.u) / du : du < 0 ? at.u / -du : T(2);
-            const T part_v = dv > 0 ? (T(1) - at.v) / dv : dv < 0 ? at.v / -dv : T(2);
-            const bool last = at.cell == to.cell || std::min(part_u, part_v) >= 1;
-            const T part = last ? T(1) : std::min(part_u, part_v);
-            if (search(field, *patch, field.lattice().locate(stylus, at.cell), {part * du, part * dv}, at))
+            const CellPart part = part_in_cell(at, to);
+            if (slip_in_cell(field, *patch, field.lattice().locate(stylus, at.cell), part.in_cell(), at))
                 return true;
-            if (last) {
+            if (part.ends) {
                 --cells;
                 return false;
             }
-            at.u = std::clamp(at.u + part * du, T(0), T(1));
-            at.v = std::clamp(at.v + part * dv, T(0), T(1));
-            if (part == part_u) at.cell.i += du > 0 ? 1 : -1, at.u = du > 0 ? T(0) : T(1);
-            if (part == part_v) at.cell.j += dv > 0 ? 1 : -1, at.v = dv > 0 ? T(0) : T(1);
+            enter_next_cell(part, at);
         }
         cells = 0;
         return false;
     }
 
+    /// From `from` to `to` in plan, in cells.
+    [[nodiscard]] static vec2<T> cells_between(const SurfacePoint<T>& from,
+                                               const SurfacePoint<T>& to) noexcept {
+        return {static_cast<T>(to.cell.i - from.cell.i) + (to.u - from.u),
+                static_cast<T>(to.cell.j - from.cell.j) + (to.v - from.v)};
+    }
+
+    /// How much of the way from `at` to `to` lies in the cell of `at`.
+    [[nodiscard]] static CellPart part_in_cell(const SurfacePoint<T>& at,
+                                               const SurfacePoint<T>& to) noexcept {
+        const auto share_to_line = [](T start, T way) {
+            return way > 0 ? (T(1) - start) / way : way < 0 ? start / -way : T(2);
+        };
+        const vec2<T> way = cells_between(at, to);
+        const T share_u = share_to_line(at.u, way.x), share_v = share_to_line(at.v, way.y);
+        const T share = std::min(share_u, share_v);
+        const bool ends = at.cell == to.cell || share >= 1;
+        return {way, share_u, share_v, ends ? T(1) : share, ends};
+    }
+
+    /// Moves `at` to the end of a part and into the next cell, across a vertex if both grid lines are crossed at once.
+    static void enter_next_cell(const CellPart& part, SurfacePoint<T>& at) noexcept {
+        at.u = std::clamp(at.u + part.share * part.way.x, T(0), T(1));
+        at.v = std::clamp(at.v + part.share * part.way.y, T(0), T(1));
+        if (part.share == part.share_u) {
+            at.cell.i += part.way.x > 0 ? 1 : -1;
+            at.u = part.way.x > 0 ? T(0) : T(1);
+        }
+        if (part.share == part.share_v) {
+            at.cell.j += part.way.y > 0 ? 1 : -1;
+            at.v = part.way.y > 0 ? T(0) : T(1);
+        }
+    }
+
     /// Moves `at` to the first point of the way at → at + way, in one cell, that has the stylus inside the dynamic
-    /// cone. False, and `at` as it was, if there is none. A crease counts at the start and on a way along it; one at
-    /// the end is the next cell's.
+    /// cone. False, and `at` as it was, if there is none. An edge of the cell counts as a crease at the start and on a
+    /// way along it; at the end of the way it is the next cell's.
     template <HeightField Field>
-    [[nodiscard]] bool search(const Field& field, const BilinearPatch<T>& patch, const CellPoint<T>& stylus,
-                              const vec2<T>& way, SurfacePoint<T>& at) const noexcept {
+    [[nodiscard]] bool slip_in_cell(const Field& field, const BilinearPatch<T>& patch,
+                                    const CellPoint<T>& stylus, const vec2<T>& way,
+                                    SurfacePoint<T>& at) const noexcept {
         const auto u_at = [&](T s) { return std::clamp(at.u + s * way.x, T(0), T(1)); };
         const auto v_at = [&](T s) { return std::clamp(at.v + s * way.y, T(0), T(1)); };
-        const auto view_at = [&](T s) {
+        const auto cone_at = [&](T s) {
             return friction_cone(field, patch, stylus, {at.cell, u_at(s), v_at(s)}, state_.side,
                                  {!(s > 0) || way.x == 0, !(s > 0) || way.y == 0});
         };
         const auto outside = [&](const FrictionCone<T>& cone) { return cone.outside(coefficients_.sliding); };
-        const auto start = view_at(T(0)), end = view_at(T(1));
+        const auto start = cone_at(T(0)), end = cone_at(T(1));
         const T f_low = outside(start);
         T low = 0, high = 1, f_high = outside(end);
         if (f_low <= 0) return true;
-        if (f_high > 0) { // the cone may lie between: where the chord is nearest to the stylus
+        if (f_high > 0) { // the cone may lie between: test where the chord is nearest to the stylus
             const vec3<T> chord = end.offset - start.offset;
             const T square = glm::dot(chord, chord);
             high = square > 0 ? std::clamp(-glm::dot(start.offset, chord) / square, T(0), T(1)) : T(0);
-            f_high = outside(view_at(high));
+            f_high = outside(cone_at(high));
             if (f_high > 0) return false;
         }
         // Regula falsi in the form of Illinois: on a plane, straight towards the foot, `outside` is linear.
         const T enough = 8 * epsilon<T> * glm::length(start.offset);
-        const T finest =
-            2 * epsilon<T>; // of the way: of an end that is the zero but for rounding, step off it
+        // Of the way: a guess keeps this far from both ends, so that an end that is the zero but for rounding is left.
+        const T finest = 2 * epsilon<T>;
         T weight_low = f_low, weight_high = f_high;
         int moved = 0; // the end that moved last; the other one counts half if that moves twice
         for (int step = 0; step < 64 && f_high < -enough; ++step) {
             const T guess = low + (high - low) * (weight_low / (weight_low - weight_high));
             const T middle = std::clamp(guess, low + finest, std::max(low + finest, high - finest));
             if (!(middle < high)) break;
-            const T f = outside(view_at(middle));
+            const T f = outside(cone_at(middle));
             if (f > 0) {
                 low = middle, weight_low = f;
                 if (moved < 0) weight_high /= 2;
@@ -229,21 +276,22 @@ private:
         return true;
     }
 
+    /// The contact with its proxy at the anchor.
     template <HeightField Field>
-    [[nodiscard]] Contact<T> held(const Field& field, const Contact<T>& contact,
-                                  const vec3<T>& stylus) noexcept {
+    [[nodiscard]] Contact<T> at_anchor(const Field& field, const Contact<T>& contact,
+                                       const vec3<T>& stylus) noexcept {
         const SurfacePoint<T>&a = state_.anchor, &q = contact.point;
         if (a.cell == q.cell && a.u == q.u && a.v == q.v) return contact;
         const auto patch_a = field.patch(a.cell), patch_q = field.patch(q.cell);
         if (!patch_a || !patch_q) return contact;
         const FrictionCone<T> anchor{*patch_a, field.lattice().locate(stylus, a.cell), a.u, a.v};
         const FrictionCone<T> proxy{*patch_q, field.lattice().locate(stylus, q.cell), q.u, q.v};
-        Contact<T> back = contact;
-        back.point = a;
-        back.proxy = stylus + anchor.offset;
-        back.penetration += anchor.offset - proxy.offset;
-        back.depth = glm::length(back.penetration);
-        return back;
+        Contact<T> held = contact;
+        held.point = a;
+        held.proxy = stylus + anchor.offset;
+        held.penetration += anchor.offset - proxy.offset;
+        held.depth = glm::length(held.penetration);
+        return held;
     }
 
     Coefficients coefficients_;

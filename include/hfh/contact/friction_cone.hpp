@@ -15,14 +15,17 @@
 
 namespace hfh {
 
-/// A surface point as a stylus sees it: where friction can hold that.
+/// A surface point seen from a stylus, and the axis of the friction cone that hangs from it into the ground. A stylus
+/// inside the cone is held by friction.
 template <Real T>
 struct FrictionCone {
-    vec3<T> offset; ///< surface point − stylus, not rounded to world coordinates
-    vec3<T>
-        normal; ///< unit, away from the surface on the side that is felt; in a crease the one nearest to the offset
+    /// Surface point − stylus, metres, not rounded to world coordinates.
+    vec3<T> offset;
+    /// Unit, away from the surface on the side that is felt. On an edge or a vertex of the grid: of all normals that the
+    /// ground has there, the one nearest in direction to the offset.
+    vec3<T> normal;
 
-    /// At (u, v) of a patch, for a stylus in the coordinates of its cell; of creases nothing is known.
+    /// At (u, v) of a patch, for a stylus in the coordinates of its cell, with the normal of this patch alone.
     FrictionCone(const BilinearPatch<T>& patch, const CellPoint<T>& stylus, T u, T v,
                  Side side = Side::above) noexcept
         : offset{patch.spacing.x * (u - stylus.u), patch.spacing.y * (v - stylus.v),
@@ -33,19 +36,21 @@ struct FrictionCone {
     ///
     ///     |offset × n| − coefficient·(offset·n)                                                   metres
     ///
-    /// ≤ 0 inside. A stylus on the wrong side of the tangent plane is outside.
+    /// ≤ 0 inside. A stylus on the wrong side of the tangent plane, offset·n < 0, is outside: the coefficient counts as 1
+    /// there, so that the result stays continuous and positive.
     [[nodiscard]] T outside(T coefficient) const noexcept {
         const T pressed = glm::dot(offset, normal);
         return glm::length(glm::cross(offset, normal)) - (pressed > 0 ? coefficient : T(1)) * pressed;
     }
 
-    /// In a crease, where the slope along x is anything from low.x to high.x and that along y from low.y to high.y:
-    /// takes the normal that is nearest to the offset.
+    /// On an edge or a vertex, where the slope along x is anything from low.x to high.x and that along y from low.y to
+    /// high.y: takes the normal that is nearest in direction to the offset.
     ///
-    /// With t fixed, (A + B s)/√(C + s²), the cosine but for |offset|, with A = z − y t, B = −x, C = 1 + t², is
-    /// greatest at s = B C/A if A > 0, else at the end of B's sign. Along x and y in turn that leads to the greatest,
-    /// for where it is positive the cosine has no other maximum; the first guess is exact for an offset within.
-    void lean(const vec2<T>& low, const vec2<T>& high, Side side) noexcept {
+    /// With the offset (x, y, z), slopes s along x and t along y, and t fixed, the cosine of the angle between offset and
+    /// normal is (A + B s)/√(C + s²)/|offset|, with A = z − y t, B = −x, C = 1 + t². It is greatest at s = B C/A if A > 0,
+    /// else at the end of B's sign. Doing that along x and y in turn leads to the greatest cosine, for where it is positive
+    /// it has no other maximum; the first guess is exact for an offset whose slopes are within the bounds.
+    void turn_to_offset(const vec2<T>& low, const vec2<T>& high, Side side) noexcept {
         const vec3<T> o = side == Side::below ? -offset : offset;
         const auto best = [](T a, T b, T c, T least, T most) {
             return a > 0 ? std::clamp(b * c / a, least, most) : b > 0 ? most : least;
@@ -57,15 +62,15 @@ struct FrictionCone {
             s.y = best(o.z - o.x * s.x, -o.y, T(1) + s.x * s.x, low.y, high.y);
             if (s == last) break;
         }
-        const vec3<T> leaning = glm::normalize(vec3<T>{-s, T(1)});
-        // Neither where a slope is no number, nor where its square is none.
-        if (glm::dot(leaning, leaning) > 0) normal = side == Side::below ? -leaning : leaning;
+        const vec3<T> nearest = glm::normalize(vec3<T>{-s, T(1)});
+        // False where a slope or its square is no number: then the patch's own normal stays.
+        if (glm::dot(nearest, nearest) > 0) normal = side == Side::below ? -nearest : nearest;
     }
 };
 
-/// The cone at a point of a patch, creases seen: on a side of the cell, across x or across y, the neighbour's normal is
-/// the ground's as well, and all between the two. `creases` says across which they count. Looks at no more than two
-/// patches besides; a neighbour that is missing makes no crease.
+/// The cone at a point of a patch, with the normals of neighbours: on an edge of the cell, across x or across y, the
+/// neighbour's normal is the ground's as well, and so are all between the two. `creases` says across which axes
+/// neighbours count. Reads at most two more patches; where a neighbour is missing the patch's own normal stands.
 template <HeightField Field>
 [[nodiscard]] FrictionCone<typename Field::Scalar>
 friction_cone(const Field& field, const BilinearPatch<typename Field::Scalar>& patch,
@@ -90,7 +95,7 @@ friction_cone(const Field& field, const BilinearPatch<typename Field::Scalar>& p
             low.y = std::min(low.y, slope), high.y = std::max(high.y, slope);
         }
     }
-    if (low != high) cone.lean(low, high, side);
+    if (low != high) cone.turn_to_offset(low, high, side);
     return cone;
 }
 

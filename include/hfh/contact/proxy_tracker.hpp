@@ -211,7 +211,7 @@ auto ProxyTracker<Field>::update(const vec3<Scalar>& stylus) noexcept -> Contact
     if (state_.phase == Phase::unseen) state_.swept_to = to;
     // What a search comes to nearly always.
     if (state_.side != Side::below && options_.max_patches >= 4) {
-        if (const Index cells = detail::passes_over(*field_, state_.swept_to, to); cells > 0) {
+        if (const Index cells = detail::cells_below_short_segment(*field_, state_.swept_to, to); cells > 0) {
             state_.side = Side::above;
             state_.swept_to = to;
             state_.phase = Phase::free;
@@ -337,9 +337,7 @@ auto ProxyTracker<Field>::cast(const glm::dvec3& from, const glm::dvec3& to, Fir
                                int max_cells) const noexcept -> FirstHit<Scalar> {
     options.surface = options_.surface;
     options.max_cells = max_cells;
-    FirstHit<Scalar> hit;
-    detail::search(*field_, from, to, options, hit);
-    return hit;
+    return detail::cast(*field_, from, to, options);
 }
 
 template <HeightField Field>

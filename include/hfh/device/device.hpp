@@ -5,26 +5,26 @@
 
 #include <concepts>
 
-// What a force-feedback device is to the rest of a program, whichever vendor's: it hands out samples and takes forces,
-// in SI units, right-handed, z up. A driver converts its own axes and units at its own border and nowhere else.
+// A force-feedback device of any vendor as the rest of a program sees it: it gives samples and takes forces, in SI units, in a
+// right-handed frame with z up. A driver converts from and to its own axes and units.
 
 namespace hfh {
 
 /// Where the device's end effector is, in the device's workspace.
 struct DeviceSample {
-    double time = 0;           ///< seconds, never falling; since when is the device's affair
+    double time = 0;           ///< seconds, never decreasing, from an origin of the device's choice
     glm::dvec3 position{0.0};  ///< metres
     glm::dvec3 velocity{0.0};  ///< metres per second, if `has_velocity`
     bool has_velocity = false; ///< the device measures it
     unsigned buttons = 0;      ///< bit k: button k is down
-    /// The device refused the last force: no force now, and forget the contact.
+    /// The device refused the last force: give no force in this update, and forget the contact.
     bool force_refused = false;
-    /// The device will soon take no force, as for a calibration: the force has to go to zero, and come back when this
-    /// is over. The driver calls the tick until the command is zero.
+    /// The device is about to take no force, as for a calibration: bring the force to zero, and back up when this is false
+    /// again. The driver calls the tick until the command is zero.
     bool release = false;
     bool has_sent = false; ///< the driver tells what it last gave to the motors:
     glm::dvec3 sent{0.0};  ///< newtons, after all that changed it on the way; zero if none was given
-    double sent_at = 0;    ///< seconds: the time of that update, be it one with or without a tick
+    double sent_at = 0;    ///< seconds: the time of that update, with or without a tick
 };
 
 /// What to do until the next sample.
@@ -53,7 +53,7 @@ struct DeviceCapabilities {
 enum class DeviceEnd : unsigned char {
     stopped,       ///< the tick said so
     not_available, ///< no device, or it did not start
-    force_fault,   ///< the device went on refusing to render forces: too large, an amplifier fault
+    force_fault,   ///< the device kept refusing forces: too large, an amplifier fault
     lost,          ///< the connection broke
     fault          ///< another error that ends the run
 };

@@ -7,83 +7,83 @@
 #include <algorithm>
 #include <cmath>
 
-// Stands between what a scene wants a hand to feel and the motors. Whatever goes wrong before it, what leaves it is
-// finite, no longer than a limit, and rises no faster than another.
+// The guard stands between the forces that a scene asks for and the motors. Whatever goes wrong before it, the force that
+// leaves it is finite, at most max_force long, and rises no faster than max_slew.
 
 namespace hfh {
 
 /// What a guard has done so far.
 struct GuardCounts {
-    /// By GuardTrip: how often the cause came up; while it stays, it is one.
+    /// By GuardTrip: how often the cause began. A cause that stays for several updates counts once.
     unsigned trips[guard_trip_count]{};
     unsigned zeroed = 0; ///< updates that ended at zero because of a trip or the latch
     /// Updates in which that limit acted.
     unsigned clamped = 0, slewed = 0, ramped = 0, held_back = 0;
 };
 
-/// What to send to the device, and what acted. After a trip no other limit is told.
+/// What to send to the device, and which limits acted. After a trip the other limits are not reported.
 struct GuardedForce {
     glm::dvec3 newtons{0.0};
-    GuardTrip trip = GuardTrip::none; ///< the gravest cause that stands; the force is zero
-    bool latched = false;             ///< no cause stands, but the guard waits for `rearm`; the force is zero
+    GuardTrip trip = GuardTrip::none; ///< the gravest cause in this update; if any, the force is zero
+    bool latched = false;             ///< no cause now, but the guard waits for `rearm`; the force is zero
     bool clamped = false;             ///< was longer than max_force
     bool ramped = false;              ///< made shorter by the ramp, up or down
-    bool held_back = false;           ///< a part of a rise that the hand did not make is still to come
-    bool slewed = false;              ///< is not yet where it should be
+    bool held_back = false;           ///< part of a sudden rise is still to come
+    bool slewed = false;              ///< max_slew keeps it from the target
     bool released = false;            ///< `DeviceSample::release` is asked for, and the force is zero
 };
 
-/// Limits a force, in this order: length, sudden rises, ramp, slew. With F the force asked for and F′ the one that the
+/// Limits a force, in this order: length, sudden rises, ramp, slew. With F the force asked for and F′ the force that the
 /// motors got last,
 ///
 ///     clamped = F · min(1, max_force/|F|)
 ///     target  = g · clamped · max(0, 1 − held/|clamped|)     g: 0 at the start and after a trip, then + Δt/ramp, up to 1
 ///     sent    = F′ + (target − F′) · min(1, max_slew·Δt/|target − F′|)
 ///
-/// so |sent| ≤ max_force and |sent − F′| ≤ max_slew·Δt. A trip overrides all: its update sends zero, at once.
+/// so |sent| ≤ max_force and |sent − F′| ≤ max_slew·Δt. A trip overrides all of this: its update sends zero, at once.
 ///
-/// Sudden rises: a scene that changes under the hand (other ground, another scale) may ask for all the force at once.
-/// What the hand did not make comes at the ramp's pace. With d how far the hand has moved, in this update and, as far as
-/// the force did not rise by it, in the one before (a tracker that limits its work may be one late),
+/// Sudden rises: a scene that changes under the hand (other ground, another scale) may ask for all the force at once. The
+/// part of a rise that the hand's motion does not explain comes at the ramp's pace. With d how far the hand has moved in
+/// this update, plus what of the update before has not yet made the force rise (a tracker that limits its work may be one
+/// update late),
 ///
 ///     owed ← max(0, owed − Δt·max_force/ramp) + (rise of |clamped|, above 0 less stiffness·d), from 0 to |clamped|
 ///     held = max(0, owed − max_sudden)
 ///
-/// A fall takes away what is owed, so that a force which only trembles owes nothing.
+/// A falling force reduces what is owed, so a force that only trembles owes nothing.
 ///
-/// A contact of the tracker with a spring never comes under it, fast or on ridges that let go: its proxy is no farther
-/// from the stylus after an update than before it and the way of the hand together. (With friction on ground that is
-/// rough from cell to cell it may be, seldom.) The force may turn and fall as it likes; both go by the slew.
+/// A spring on the tracker's contact is never held back, at any speed and also where a ridge releases the proxy: after an
+/// update the proxy is no farther from the stylus than before it plus the hand's motion. (With friction, on ground that
+/// is rough from cell to cell, it is farther now and then.) Only max_slew limits how fast a force turns or falls.
 ///
-/// At the motor. Whatever stands behind the guard (a passivity controller, a driver's clamp, an update in which nothing
-/// was sent), the guard starts from what the motors got: `DeviceSample::sent`, or `sent` in a loop of one's own, and
-/// counts Δt from when they got it. As long as what stands behind only shortens forces, for every update
+/// At the motor. The guard may be followed by links that change the force (a passivity controller, a driver's clamp) and by
+/// updates in which nothing is sent. It starts from what the motors got, which `DeviceSample::sent` or a call of `sent`
+/// tells, and counts Δt from when they got it. As long as what follows only shortens forces, for every update
 ///
 ///     |at the motor| ≤ |at the motor, one update before| + max_slew·Δt
 ///
-/// and it falls as fast as it is made to fall. Where nothing is told, F′ is what the guard gave out, and Δt is from the
-/// last good sample's time.
+/// while what follows may make it fall at once. Where nothing is told, F′ is what the guard gave out, and Δt counts from the
+/// time of the last good sample.
 ///
-/// The order of the chain: scene, virtual coupling, guard, energy tank, driver. What makes forces of its own stands before
-/// the guard, which holds its limits. What only shortens them to keep an account of energy stands behind it, because its
-/// account has to be of the force that is sent: the guard limits falls as well, so behind a tank it would hold up a force
-/// that was taken away, and give energy. With the guard told what was sent, the slew and the account both hold.
+/// The order of the chain: scene, virtual coupling, guard, energy tank, driver. A link that makes forces of its own stands
+/// before the guard, which limits them. A link that shortens forces to keep an account of energy stands behind it, because
+/// the account has to be of the force that is sent: the guard limits falls as well, so behind a tank it would keep up a
+/// force that the tank took away, and give energy. With the guard told what was sent, the slew and the account both hold.
 ///
-/// While `DeviceSample::release` asks for no force, g goes down by Δt/ramp instead, and once the force is zero no sample
-/// is compared with the one before it: a calibration may take its time, and shift the position. Afterwards the force
-/// comes up by the ramp.
+/// While `DeviceSample::release` is set, g goes down by Δt/ramp instead. Once the force is zero no sample is compared with
+/// the one before it, because a calibration takes time and shifts the position. Afterwards the force comes up by the ramp.
 ///
-/// What arms it again: the first update in which no cause stands. From there the force comes up by the ramp (with
-/// `latch`, from the first such update after `rearm`). A bad sample is not remembered; the first good one after it is
-/// compared with the last good one. Any other sample is what the next one is compared with (`SampleCheck`).
+/// After a trip the force comes back by the ramp from the first update without a cause (with `latch`, from the first such
+/// update after `rearm`). A bad sample is not remembered: the first good one after it is compared with the last good one.
+/// Any other sample is what the next one is compared with (`SampleCheck`).
 ///
-/// Holds under -ffast-math: no comparison with a NaN decides. Does not throw and does not allocate.
+/// Holds under -ffast-math: nothing depends on a comparison with a NaN. Does not throw and does not allocate.
 class ForceGuard {
 public:
     ForceGuard() noexcept : ForceGuard{GuardLimits{}} {}
     explicit ForceGuard(const GuardLimits& limits) noexcept : limits_{limits}, usable_{is_usable(limits)} {}
 
-    /// One update: `newtons` is what the scene asks for at this sample; `buried`: the contact's status is buried.
+    /// One update: `newtons` is the force that the scene asks for at this sample; `buried`: the contact's status is buried.
     [[nodiscard]] GuardedForce update(const DeviceSample& sample, const glm::dvec3& newtons,
                                       bool buried = false) noexcept {
         Step step;
@@ -111,9 +111,9 @@ public:
         return result;
     }
 
-    /// What the motors really got in place of the last force, in the update at `time`; also where `update` was not
-    /// called in it. A force that is no number counts as none, a time that is none, or later than the next sample, as no
-    /// time for a rise until then. A driver that fills `DeviceSample::sent` has told it already.
+    /// What the motors got in place of the last force, in the update at `time` (s), whether `update` was called in it or
+    /// not. A force that is no number counts as zero. After a time that is no number, or later than the next sample, the
+    /// force may not rise in that sample's update. Not needed where the driver fills `DeviceSample::sent`.
     void sent(const glm::dvec3& newtons, double time) noexcept {
         sent_ = detail::is_tame(newtons) ? newtons : glm::dvec3{0.0};
         const double length = detail::norm(sent_);
@@ -121,10 +121,10 @@ public:
         sent_at_ = detail::is_tame(time) ? std::max(sent_at_, time) : latest;
     }
 
-    /// After a trip with `latch`: the force may come back, by the ramp, once no cause stands.
+    /// After a trip with `latch`: lets the force come back, by the ramp, once there is no cause.
     void rearm() noexcept { latched_ = false; }
 
-    /// No force now, then the ramp, as at the start: after a clutch, or when the scene is another one.
+    /// Starts from zero force and the ramp, as at the beginning: after a clutch, or when the scene is replaced.
     void restart() noexcept {
         sent_ = glm::dvec3{0.0};
         gain_ = 0;
@@ -135,7 +135,7 @@ public:
     [[nodiscard]] const GuardCounts& counts() const noexcept { return counts_; }
 
 private:
-    /// What lies between two updates.
+    /// What happened between two updates.
     struct Step {
         double passed = 0; ///< s since the sample before
         double held = 0;   ///< s for which the motors have had the last force
@@ -147,7 +147,7 @@ private:
     static constexpr unsigned bit(GuardTrip trip) noexcept { return 1u << static_cast<unsigned>(trip); }
     [[nodiscard]] static bool is_zero(const glm::dvec3& p) noexcept { return p == glm::dvec3{0.0}; }
 
-    /// All causes that stand, as bits; remembers the sample if it is good.
+    /// All causes in this update, as bits; remembers the sample if it is good.
     [[nodiscard]] unsigned find_causes(const DeviceSample& sample, const glm::dvec3& newtons, bool buried,
                                        Step& step) noexcept {
         unsigned causes = 0;
@@ -157,7 +157,7 @@ private:
         if (buried) causes |= bit(GuardTrip::buried);
         const bool good_time = detail::is_tame(sample.time), good_place = detail::is_tame(sample.position);
         if (!good_time || !good_place) {
-            sent_at_ = latest; // zero, until a time that nothing tells
+            sent_at_ = latest; // the motors get zero, and no sample tells since when
             return causes | bit(GuardTrip::bad_sample);
         }
         if (!usable_) return causes;
@@ -170,13 +170,13 @@ private:
         step.passed = told.passed;
         step.held = std::clamp(check_.time() - sent_at_, 0.0, told.passed);
         step.moved = told.moved;
-        // A told time that is later, as by a stamp out of order, stands; one that cannot be was for this update only.
-        const double now = check_.time();
-        sent_at_ = sent_at_ > now && sent_at_ - now <= limits_.max_gap ? sent_at_ : now;
+        // A told time later than this sample's is kept if a stamp out of order explains it; else it was for this update only.
+        const double now = check_.time(), max_back = limits_.max_gap;
+        sent_at_ = sent_at_ > now && sent_at_ - now <= max_back ? sent_at_ : now;
         return causes;
     }
 
-    /// How much of the ramp, 0 to 1, these seconds are.
+    /// The share of the ramp, 0 to 1, that passes in these seconds.
     [[nodiscard]] double ramp_in(double seconds) const noexcept {
         return limits_.ramp > seconds ? seconds / limits_.ramp : 1.0;
     }
@@ -192,7 +192,7 @@ private:
         gain_ = std::clamp(gain_ + (release ? -change : change), 0.0, 1.0);
         result.ramped = gain_ < 1 && length > 0;
 
-        // Divided only where something is shortened, so that a force that is passed on is so to the bit.
+        // Divided only where something is shortened, so that any other force is passed on to the bit.
         const bool shorter = result.clamped || result.held_back;
         const glm::dvec3 target = newtons * (shorter ? (clamped - held) / length : 1.0) * gain_;
         const glm::dvec3 way = target - sent_;
@@ -206,10 +206,10 @@ private:
         counts_.slewed += result.slewed;
     }
 
-    /// N by which the force is to be shorter for now.
+    /// N by which the force, of `length` N, has to be shorter in this update for its sudden rises.
     [[nodiscard]] double hold_back(double length, const Step& step) noexcept {
         if (fresh_ || !(limits_.ramp > 0)) {
-            owed_ = unused_ = 0; // the ramp, or none, is what it comes by
+            owed_ = unused_ = 0; // the ramp's factor limits the rise, or nothing does
         } else {
             const double paid = limits_.max_force * ramp_in(step.passed);
             const double rise = length - asked_, made = limits_.stiffness * step.moved;
@@ -229,8 +229,8 @@ private:
     double sent_at_ = 0;   ///< s: the time of the update in which they did
     double gain_ = 0;      ///< of the ramp, 0 to 1
     double asked_ = 0;     ///< N: the length asked for last, at most max_force
-    double unused_ = 0;    ///< N: what the hand's last way could have made the force rise by, and did not
-    double owed_ = 0;      ///< N: of that, what the hand did not make and the ramp has not yet brought
+    double unused_ = 0;    ///< N: rise that the hand's last motion explains and that did not come
+    double owed_ = 0;      ///< N: of asked_, rise that no motion explains and the ramp has not yet brought
     unsigned causes_ = 0;  ///< of the last update, as bits
     bool usable_, latched_ = false;
     bool fresh_ = true; ///< nothing was asked for before

@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <cmath>
 
-// What a guard goes by: its thresholds, and the names of what trips it.
+// A guard's thresholds, and the names of what trips it.
 
 namespace hfh {
 
-/// Why a guard let the force go to zero, gravest first.
+/// Why a guard set the force to zero, gravest first.
 enum class GuardTrip : unsigned char {
     none,
-    bad_limits,   ///< a limit is no number to go by: no force, ever
+    bad_limits,   ///< a limit is out of range: no force, ever
     bad_sample,   ///< time or position: NaN, ±∞ or beyond 2⁶⁴
     bad_force,    ///< the force asked for: NaN, ±∞ or beyond 2⁶⁴ N
     device_fault, ///< the device says that it refused a force (`DeviceSample::force_refused`)
     stale,        ///< time went on, or fell, by more than `max_gap`: the last force was felt for too long
     repeated, ///< time did not go on for more than `max_repeats` updates, or the same place for `max_still`
     jump,     ///< farther than a hand gets in the time
-    buried    ///< the caller says that the stylus is below the surface without having met it
+    buried    ///< the caller says that the stylus is below the surface without contact
 };
 inline constexpr int guard_trip_count = 9;
 
@@ -48,14 +48,19 @@ struct GuardLimits {
     double max_slew = 1;
     /// s from no force to the full one, at the start and after every trip; 0: at once.
     double ramp = 0.5;
-    /// N/m at the hand: the most that the scene renders. A hand that moves by d makes the force rise by stiffness·d at
-    /// the most; where the scene is stiffer than told here, quick contacts come up by the ramp.
+    /// N/m at the hand: the stiffest that the guard is asked for. A hand that moves by d makes the force rise by
+    /// stiffness·d at the most; where what is asked for is stiffer than told here, quick contacts come up by the ramp.
+    /// Without a `VirtualCoupling` that is K, the stiffest that the scene renders. Behind one it is (1 + 1.5·lag)·K: a hand
+    /// that sets out by d, turns or stops feels K·d of the spring and up to 1.5·lag·K·d of the damper come or go. That is
+    /// 1.75·K without delay, 700 N/m of 400. With K told instead, the damper's part counts as sudden: with s the hand's
+    /// way in an update, 1.5·lag·K·s, which `max_sudden` lets pass up to 1 m/s at 400 N/m and 1 kHz. As much may count as
+    /// sudden even so where a hand on its way out slows down over several updates.
     double stiffness = 1000;
     /// N by which the force may rise at once though the hand did not make it rise: damping × speed, at a first contact.
     /// From `max_force` on any rise may come at once.
     double max_sudden = 0.3;
-    /// s between two samples: the period of a 100 Hz device and 10 ms of jitter. Also how far a stamp may be out of
-    /// order, and how long ago a place that the hand was at counts for its speed.
+    /// s between two samples, above which the later one is `stale`: the period of a 100 Hz device and 10 ms of jitter.
+    /// `SampleCheck` derives two more times from it.
     double max_gap = 0.02;
     /// s between two samples of the device; 0: not told. A first guess, for its pace is learnt from the changes of the
     /// position. Tell it where a slow device is asked often: there small moves between equal samples teach nothing, and

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-// A hand's breadth of device, kilometres of terrain.
+// Maps a device's workspace, some centimetres wide, to a terrain, kilometres wide.
 
 namespace hfh {
 
@@ -56,21 +56,20 @@ enum class WorkspaceStatus : unsigned char {
 
 /// Maps a device's workspace to the terrain, and forces back.
 ///
-/// With s the scale and R the rotation, a velocity v of the hand is s·R·v on the terrain. The hand shall do the work
-/// that is done on the terrain, F_hand · v = F · (s·R·v) for every v, hence F_hand = s · Rᵀ · F. A displacement d of the
-/// hand is s·R·d on the terrain, so a terrain of stiffness k pushes back with F = −k·s·R·d, which is −s²·k·d at the hand:
-/// for k_hand N/m at the hand, whatever the scale, the terrain's has to be k_hand/s². The same holds for damping. That
-/// is what `terrain_stiffness` gives; it amounts to F_hand = k_hand · Rᵀ · penetration / s. A force limit of F_max at the
-/// hand is F_max/s on the terrain.
+/// With s the scale and R the rotation, a velocity v of the hand is s·R·v on the terrain. The work at the hand is the work on
+/// the terrain, F_hand · v = F · (s·R·v) for every v, hence F_hand = s · Rᵀ · F. A displacement d of the hand is s·R·d on
+/// the terrain, so a terrain of stiffness k pushes back with F = −k·s·R·d, which is −s²·k·d at the hand: for k_hand N/m at
+/// the hand, whatever the scale, the terrain's stiffness has to be k_hand/s². `terrain_stiffness` gives that, and then
+/// F_hand = k_hand · Rᵀ · penetration / s. The same holds for damping. A force limit of F_max at the hand is F_max/s on the
+/// terrain.
 ///
-/// The clutch: while it is held the terrain position stays where it was and the hand goes back to where there is room;
-/// the offset takes up the difference, so nothing jumps on pressing or letting go. Give no force meanwhile (the hand
-/// would be moved by it, and on coming back find that it had done work for nothing), and let it come up by the guard's
-/// ramp: `ForceGuard::restart`.
+/// The clutch: while it is held, the terrain position stays where it was and the hand goes back to where there is room. The
+/// offset takes up the difference, so the terrain position does not jump when the clutch is pressed or released. Give no
+/// force while it is held, because the terrain position does not follow the hand, and let the force come up by the guard's
+/// ramp afterwards: `ForceGuard::restart`.
 ///
 /// A frame that `check` refuses is not used: the status says so, positions are mapped one to one, forces to zero.
-/// Computes in double, where a terrain at 10⁷ m keeps nanometres; T is what the tracker wants. Does not throw, does not
-/// allocate.
+/// Computes in double, which resolves nanometres at 10⁷ m; T is the tracker's scalar. Does not throw, does not allocate.
 template <Real T>
 class Workspace {
 public:
@@ -80,8 +79,8 @@ public:
         if (status_ == WorkspaceStatus::ok) frame_ = frame;
     }
 
-    /// One update: the hand's position on the terrain. A hand that is not finite is mapped to what is not finite
-    /// either, and moves nothing.
+    /// One update: the terrain position, in metres, of a hand at `hand`, in metres. A position that is not finite is mapped
+    /// to one that is not finite, and changes no state.
     [[nodiscard]] vec3<T> update(const glm::dvec3& hand, bool clutch = false) noexcept {
         if (is_finite(hand)) {
             if (clutch && !clutched_) held_ = to_terrain(hand);
@@ -107,12 +106,12 @@ public:
         const glm::dvec3 at_hand = frame_.scale * (widen(newtons) * frame_.rotation);
         return status_ == WorkspaceStatus::ok && is_finite(at_hand) ? at_hand : glm::dvec3{0.0};
     }
-    /// What the terrain's stiffness (or damping) has to be for this one at the hand: k/s². With a scale so small that T
-    /// does not hold that it is ∞, for which a `ForceEvaluator` gives no force.
+    /// The terrain's stiffness, N/m (or damping, N·s/m), for this one at the hand: k/s². Where that is more than T holds it
+    /// is ∞, for which a `ForceEvaluator` gives no force.
     [[nodiscard]] T terrain_stiffness(double at_hand) const noexcept {
         return static_cast<T>(at_hand / frame_.scale / frame_.scale);
     }
-    /// What a limit on the force at the hand is on the terrain: F/s.
+    /// A limit on the force at the hand, in N, as one on the terrain: F/s.
     [[nodiscard]] T terrain_force(double at_hand) const noexcept {
         return static_cast<T>(at_hand / frame_.scale);
     }

@@ -18,8 +18,8 @@ namespace hfh {
 ///
 ///     v ← v + α·(Δx/Δt − v),   α = 1 − exp(−2π·cutoff·Δt)
 ///
-/// A steady motion is met exactly in the end: what is missing falls as exp(−2π·cutoff·t). It lags 1/(2π·cutoff)
-/// behind: 3.2 ms at 50 Hz. Steps of the encoder of size q give a noise of α·q/Δt at the most: 15 mm/s for
+/// The velocity of a steady motion is approached with an error that falls as exp(−2π·cutoff·t); any other is followed with
+/// a lag of 1/(2π·cutoff), 3.2 ms at 50 Hz. Steps of the encoder of size q give a noise of at most α·q/Δt: 15 mm/s for
 /// q = 0.055 mm at 1 kHz and 50 Hz. Does not throw, does not allocate.
 template <Real T>
 class VelocityFilter {
@@ -27,9 +27,9 @@ public:
     /// Cut-off in Hz, > 0. Anything else: no filter, plain differences.
     constexpr explicit VelocityFilter(T cutoff = T(50)) noexcept : cutoff_{cutoff} {}
 
-    /// The velocity, in m/s, after the stylus got to `position`, in metres, within `seconds` since the last call.
-    /// The first call gives zero. With no time gone by (seconds ≤ 0) nothing changes. After a position, a time or a
-    /// quotient that is not finite the velocity is zero and the next call counts as the first.
+    /// The velocity, in m/s, when the stylus is at `position`, in metres, `seconds` after the last call. The first call
+    /// gives zero. Where no time has passed (seconds ≤ 0) nothing changes. After a position, a time or a quotient that is
+    /// not finite the velocity is zero and the next call counts as the first.
     vec3<T> update(const vec3<T>& position, T seconds) noexcept {
         if (!is_finite(position) || !is_finite(seconds)) {
             reset();
@@ -70,16 +70,16 @@ private:
 ///
 ///     newtons = F − along_normal·(v·n) n − tangential·(v − (v·n) n)
 ///
-/// shortened to max_force as a whole, and `clamped` says so. Only in contact. Neither part of the damping is greater
-/// than the spring: the normal one at most F·n, the tangential one at most |F|. So damping begins and ends at zero
-/// with the depth, and the sum never pulls the stylus towards the surface, however fast it lifts off; the price is
-/// that nearer to the surface than b|v|/k the damping is less than its coefficient says.
+/// shortened to max_force as a whole, and `clamped` says so. Only in contact. Neither part of the damping is greater than the
+/// spring's force: the normal part is at most F·n, the tangential part at most |F|. So damping begins and ends at zero with
+/// the depth, and the sum never pulls the stylus towards the surface, however fast it lifts off. In return the damping is
+/// less than its coefficient says where the depth is below coefficient·|v|/k.
 ///
 ///     const auto contact = tracker.update(position);
 ///     device.send(damping(force, contact, velocity.update(position, seconds)).newtons);
 ///
-/// Zero velocity: the force of the evaluator, to the bit. A velocity that is not finite or whose square is not, or a
-/// coefficient that is not finite or below 0: no damping. Has no state, does not throw.
+/// At zero velocity the result is the evaluator's, to the bit. There is no damping where the velocity or its square is not
+/// finite, or a coefficient is below 0 or not finite. Has no state, does not throw.
 template <Real T>
 struct Damping {
     T along_normal = T(0); ///< N·s/m, ≥ 0

@@ -3,6 +3,8 @@
 
 #include <hfh/contact/contact.hpp>
 
+#include <limits>
+
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.4: "force is applied in the direction of the
 // penetration vector, with strength proportional to the penetration magnitude".
 
@@ -17,13 +19,13 @@ struct Force {
 
 /// Contact → force: F = stiffness · (proxy − stylus), shortened to max_force.
 ///
-/// Zero when not touching, and when the stiffness is below 0 or not finite, or the maximum is below 0 or NaN: never a
-/// pull into the surface, never more than max_force. Has no state, does not throw.
+/// Zero when the contact does not touch, when the stiffness is below 0 or not finite, and when max_force is below 0 or NaN.
+/// So it never pulls into the surface and is never longer than max_force. Has no state, does not throw.
 template <Real T>
 struct ForceEvaluator {
     T stiffness = T(500); ///< N/m, ≥ 0
-    T max_force =
-        std::numeric_limits<T>::max(); ///< N, ≥ 0: what the device can give (Touch: 3.3); ∞ for no limit
+    /// N, ≥ 0: what the device can give (Touch: 3.3); ∞ for no limit.
+    T max_force = std::numeric_limits<T>::max();
 
     [[nodiscard]] constexpr Force<T> operator()(const Contact<T>& contact) const noexcept {
         const bool usable =

@@ -16,14 +16,14 @@ namespace hfh {
 /// which is exact for a force that is held from one update to the next, friction of the device left out. Below 0 the
 /// hand got more than it gave, and that much is owed.
 ///
-/// Encoders tell a position in steps of q, and a spring that is counted by them seems to give away ½K·q² with every
-/// step, however slowly it is pressed: five times what a slow press really gives with the Touch. So each axis counts
-/// where the device must have been when a step was told, on the border between the two steps, and the nearer to the told
-/// position the faster the steps come: with n updates since the step before, q/2·(1 − 1/n) short of it.
+/// Encoders tell a position in steps of q. Counted by these, a spring seems to give away ½K·q² with every step, however
+/// slowly it is pressed. So each axis counts with the place where the device was when the step was told: in slow motion
+/// that is the border between the two steps, q/2 short of the told position; with only n updates since the step before
+/// it is q/2·(1 − 1/n) short.
 ///
-/// Goes by what acts: the force that has left the guard, delayed as the device delays it. Positions that come in no
-/// steps along x, y and z (encoders in the joints) are counted as told, with q = 0. A position or force that is no
-/// number is not counted. Does not throw, does not allocate.
+/// The force has to be the one that acts: what has left the guard, delayed as the device delays it. Positions that do not
+/// come in steps along x, y and z (encoders in the joints) are counted as told, with q = 0. A position or force that is
+/// no number is not counted. Does not throw, does not allocate.
 class PassivityObserver {
 public:
     /// q: the length of a step of the encoders in metres, along each axis. 0, or no number: as told.

@@ -43,14 +43,20 @@ struct CoupledForce {
 /// that jumps, as from face to face or when the scene changes, is carried no farther than K·|s|; none is ever turned
 /// back. At rest nothing is added, so that depths and forces are the spring's.
 ///
-/// What holds, and what does not: there is no account here and so no bound for any motion whatever (`EnergyTank` has
-/// one, and erases light contacts by it). What is measured with the simulated Touch is in
-/// bench/results/closed_loop.md; `PassivityObserver` counts what a hand in fact got. The damper sees encoder steps: one
-/// step q more or less is a force of (1 + 1.5·lag)·K·q for one update, 0.05 N with the Touch; beyond 2·(dry friction) it
-/// keeps a device trembling between two steps (`LimitCycleFilter`).
+/// There is no account of energy here and so no bound that holds for every motion (`EnergyTank` has one, and takes light
+/// contacts away for it). bench/results/closed_loop.md has what a hand gets on the simulated Touch; `PassivityObserver`
+/// counts it for any device. The damper sees encoder steps: one step q more or less is a force of (1 + 1.5·lag)·K·q for one
+/// update. Where that is more than 2·(dry friction), the device keeps trembling between two steps (`LimitCycleFilter`).
 ///
-/// Stands before the guard, which holds its limits at the motors. A force or position that is no number is passed on;
-/// the one after it counts as the first. Does not throw, does not allocate.
+/// Two limits of it. Where a loop is slow and late the damper's own force comes too late: it then lowers the stiffness
+/// that the loop bears. A wall at 200 Hz with a delay of 2 updates, the mass of the Touch in a hand of 300 N/m and
+/// 4 N·s/m, measured as in bench/closed_loop: a swing fades up to 422 N/m without the coupling, up to 267 N/m with it.
+/// (At 1 kHz with the same delay: 1671 N/m without, 4003 N/m with it.) And it sees the spring's force before the guard
+/// changes it: a guard that brings the force up by its ramp while the hand is pressed in stiffens the spring under it,
+/// and gives up to the work of that spring, ½·K·depth², 5 mJ at 400 N/m and 5 mm, which no damper before it takes back.
+///
+/// Stands before the guard, which holds its limits at the motors; `GuardLimits::stiffness` is (1 + 1.5·lag)·K then. A force
+/// or position that is no number is passed on; the one after it counts as the first. Does not throw, does not allocate.
 class VirtualCoupling {
 public:
     constexpr explicit VirtualCoupling(const VirtualCouplingOptions& options) noexcept

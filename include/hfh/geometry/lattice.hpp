@@ -3,7 +3,6 @@
 
 #include <hfh/geometry/scalar.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <concepts>
 
@@ -20,7 +19,8 @@ template <std::signed_integral I>
 [[nodiscard]] constexpr I farthest_cell() noexcept {
     constexpr I countable = std::numeric_limits<I>::max() / 4 - 1024;
     if constexpr (std::numeric_limits<I>::digits > 53) {
-        return std::min(countable, (I{1} << 51) - 1);
+        constexpr I exact = (I{1} << 51) - 1;
+        return countable < exact ? countable : exact;
     } else {
         return countable;
     }
@@ -35,15 +35,15 @@ struct Cell {
     friend constexpr bool operator==(const Cell&, const Cell&) noexcept = default;
 };
 
-/// The cells first.i ≤ i < last.i, first.j ≤ j < last.j.
+/// The cells begin.i ≤ i < end.i, begin.j ≤ j < end.j.
 struct CellRange {
-    Cell first{};
-    Cell last{};
+    Cell begin{};
+    Cell end{};
 
     [[nodiscard]] constexpr bool contains(Cell c) const noexcept {
-        return first.i <= c.i && c.i < last.i && first.j <= c.j && c.j < last.j;
+        return begin.i <= c.i && c.i < end.i && begin.j <= c.j && c.j < end.j;
     }
-    [[nodiscard]] constexpr bool empty() const noexcept { return last.i <= first.i || last.j <= first.j; }
+    [[nodiscard]] constexpr bool empty() const noexcept { return end.i <= begin.i || end.j <= begin.j; }
 
     /// For a field that has no border (a formula): 2⁵¹ cells to every side, where an Index has 32 bits 5·10⁸. That is
     /// 5000 km of cells of a centimetre.
@@ -109,7 +109,7 @@ public:
     /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
-        constexpr double far = static_cast<double>(CellRange::endless().last.i);
+        constexpr double far = static_cast<double>(CellRange::endless().end.i);
         const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
         return -far < u && u < far && -far < v && v < far;
     }

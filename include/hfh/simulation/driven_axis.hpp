@@ -45,8 +45,8 @@ struct DrivenAxis {
     /// At `x`, moving as a whole, without a force.
     [[nodiscard]] static constexpr State at(double x, double v) noexcept { return {x, v, x, v, 0}; }
 
-    /// Whether all is in range, for times up to `seconds`: numbers, none below 0 but gravity, a mass, a spring to the tip
-    /// mass, and no faster than 500/`seconds`.
+    /// Whether all members are in range for times up to `seconds`: numbers, none below 0 but gravity, a mass > 0, a spring to
+    /// the tip mass if there is one, and no rate above 500/`seconds`.
     [[nodiscard]] bool valid(double seconds) const noexcept {
         const double numbers[]{mass, viscous,  dry,       spring,           damper,
                                lag,  tip_mass, structure, structure_damper, seconds};
@@ -57,8 +57,8 @@ struct DrivenAxis {
                fastest() * seconds <= 500;
     }
 
-    /// The state after `seconds`, in which `newtons` is commanded and p goes from `from` to `to`. Precondition:
-    /// valid(seconds).
+    /// The state after `seconds`, in which `newtons` is commanded and p goes from `from` to `to`, metres, at constant speed.
+    /// Precondition: valid(seconds).
     [[nodiscard]] State advance(State state, double seconds, double newtons, double from,
                                 double to) const noexcept {
         if (!(lag > 0)) state.newtons = newtons;
@@ -71,7 +71,8 @@ struct DrivenAxis {
     }
 
 private:
-    /// What acts from outside, and whether what is constant does: friction that slides, and weight.
+    /// What acts from outside: the command u (N), the hand at p (m) with its speed (m/s), and 1 where constant forces act,
+    /// which are sliding friction and weight, or 0 in the derivatives of the equation.
     struct Input {
         double u, p, speed, constant;
     };
@@ -81,7 +82,7 @@ private:
         double sign = 0;
     };
 
-    /// No rate of the equation is larger.
+    /// 1/s: an upper bound of the rates of the equation.
     [[nodiscard]] double fastest() const noexcept {
         const double follows = lag > 0 ? 1 / lag : 0;
         if (!(tip_mass > 0)) return follows + (viscous + damper) / mass + std::sqrt(spring / mass);
@@ -89,7 +90,7 @@ private:
                std::sqrt(structure / mass + (structure + spring) / tip_mass);
     }
 
-    /// The force on the motors but for dry friction.
+    /// The force on the motors without dry friction, N.
     [[nodiscard]] double push(const State& s, const Input& in) const noexcept {
         const double load = tip_mass > 0 ? structure * (s.tip - s.x) + structure_damper * (s.tip_v - s.v)
                                          : spring * (in.p - s.x) + damper * (in.speed - s.v);
@@ -140,6 +141,7 @@ private:
             return a;
         }
     };
+    /// The motion from state s on.
     [[nodiscard]] Series series(const State& s, const Input& in, Motion motion) const noexcept {
         Series out;
         out.c[0] = s;
@@ -153,7 +155,8 @@ private:
         return out;
     }
 
-    /// Where between `low`, where `good` holds, and `high`, where it does not, it ends: the first time seen without it.
+    /// The time between `low`, where `good` holds, and `high`, where it does not, at which it stops to hold, rounded up. Ends
+    /// when no number is left between the two bounds.
     template <class Good>
     [[nodiscard]] static double ending(Good&& good, double low, double high) noexcept {
         for (double middle = low + (high - low) / 2; low < middle && middle < high;
@@ -163,7 +166,7 @@ private:
         return high;
     }
 
-    /// When the motors stop sliding or break away; more than `end` if not until then.
+    /// When the motors stop sliding or break away, in seconds; more than `end` if not until then.
     [[nodiscard]] double event(const Series& path, const Input& in, Motion motion,
                                double end) const noexcept {
         const auto goes_on = [&](double t) {
@@ -174,7 +177,7 @@ private:
             const double low = end * (quarter - 1) / 4, high = end * quarter / 4;
             if (!goes_on(high)) return ending(goes_on, low, high);
             if (motion.held) continue;
-            // Slowest in between: does it stand there?
+            // The motors may stop and turn in between: where they are slowest, they either still slide or have stopped.
             const auto slows = [&](double t) { return motion.sign * path.acceleration(t) < 0; };
             if (!slows(low) || slows(high)) continue;
             const double slowest = ending(slows, low, high);
@@ -183,12 +186,13 @@ private:
         return 2 * end;
     }
 
-    /// A stretch with fastest·seconds ≤ ½: rest and sliding by turns. After 32 of them, which no test has seen, the motors
-    /// stay where they are.
+    /// The state after a time with fastest·seconds ≤ ½: rest and sliding in turns. Under forces this smooth there are only a
+    /// few turns. The loop ends after 32, and the motors would then stay where they are.
     [[nodiscard]] State advance_part(State s, double seconds, Input in) const noexcept {
         if (!(dry > 0)) return series(s, in, {})(seconds);
         double left = seconds;
-        bool broke_away = false; // whatever a rounding of the force says after it
+        // After the motors broke away they slide, even where the force, but for rounding, would hold them.
+        bool broke_away = false;
         for (int turn = 0; turn < 32; ++turn) {
             Motion motion{false, s.v > 0 ? 1.0 : s.v < 0 ? -1.0 : 0.0};
             if (motion.sign == 0) {

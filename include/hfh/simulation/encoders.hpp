@@ -6,14 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
-// What a device tells of the place where it is.
+// A position as a device's encoders tell it.
 
 namespace hfh {
 
 /// x, y and z, each rounded to the nearest multiple of a step.
 struct AxisEncoders {
-    double step = 0; ///< metres; 0: told as it is
+    double step = 0; ///< metres, ≥ 0; 0: told as it is
 
+    [[nodiscard]] bool valid() const noexcept { return is_at_least_zero(step); }
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) const noexcept {
         if (!(step > 0)) return position;
         return {std::round(position.x / step) * step, std::round(position.y / step) * step,
@@ -28,9 +29,13 @@ struct JointEncoders {
     double upper = 0.135;     ///< metres, > 0: the link from the shoulder to the elbow
     double lower = 0.135;     ///< metres, > 0: from the elbow to the end effector
     glm::dvec3 shoulder{0.0}; ///< metres
-    double step = 0;          ///< radians; 0: told as it is
+    double step = 0;          ///< radians, ≥ 0; 0: told as it is
 
-    /// A position that the links do not reach is told as the nearest one along the ray from the shoulder that they do.
+    [[nodiscard]] bool valid() const noexcept {
+        return is_at_least_zero(upper) && upper > 0 && is_at_least_zero(lower) && lower > 0 &&
+               is_finite(shoulder) && is_at_least_zero(step);
+    }
+    /// A position out of reach is told as the nearest one within reach on the ray from the shoulder.
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) const noexcept {
         if (!(step > 0)) return position;
         const glm::dvec3 from = position - shoulder;

@@ -9,11 +9,11 @@
 
 namespace hfh {
 
-/// An axis that ends: between two hard stops it moves as it does without them, at a stop it stands, without a bounce,
-/// until it is drawn away. `Axis` is a `StickSlipMass` or a `DrivenAxis`, whose motors are then what meets the stop.
+/// An axis between two hard stops. Between them it moves as it does without; at a stop it stands, without a bounce, until a
+/// force moves it away. `Axis` is a `StickSlipMass` or a `DrivenAxis`, whose motors then meet the stop.
 ///
-/// The instant of the blow is found to the rounding of the time. What is missed is a stop that is passed and left again
-/// within one call of `advance`, and one that is left is left at the beginning of a call or not until the next.
+/// The instant of impact is found to the rounding of the time. A stop that is passed and left again within one call of
+/// `advance` is missed. An axis leaves a stop at the instant of impact or at the beginning of a later call, not in between.
 template <class Axis>
 struct EndStops {
     Axis axis;
@@ -32,7 +32,7 @@ struct EndStops {
         const double stop = end.x < low ? low : high, beyond = end.x < low ? -1 : 1;
         const double speed = (to - from) / seconds;
 
-        // The last time before the stop.
+        // The last time before the stop, by bisection until no number is left between the two bounds.
         State hit = state;
         double before = 0, after = seconds;
         for (double middle = seconds / 2; before < middle && middle < after;
@@ -51,7 +51,7 @@ struct EndStops {
         if (!(left > 0)) return hit;
         const State free = axis.advance(hit, left, newtons, hand, to);
         if (beyond * (free.x - stop) <= 0) return free;
-        Axis held = axis; // by friction that nothing overcomes
+        Axis held = axis; // held at the stop, by friction that no force overcomes
         held.dry = std::numeric_limits<double>::max();
         return held.advance(hit, left, newtons, hand, to);
     }

@@ -16,7 +16,7 @@
 
 namespace hfh {
 
-/// What a plain device is made of: one mass, the same along x, y and z, each axis with its own friction.
+/// A simple device: one mass, the same along x, y and z, each axis with its own friction.
 struct DeviceModel {
     double mass = 0.1;               ///< kg, > 0, felt at the end effector
     double viscous = 0;              ///< N·s/m
@@ -37,10 +37,10 @@ inline constexpr DeviceModel simulated_touch{.mass = 0.045,
                                                               .workspace = {0.160, 0.070, 0.120}}};
 
 /// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (800 N/m, the m_maxLinearStiffness
-/// of its Premium 1.5); Choi and Tan (Effect of update rate on perceived instability of virtual haptic texture, 2004)
-/// found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is the stiffness of
-/// the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction, which is
-/// assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
+/// in its block "Premium 1.5 6DOF"); Choi and Tan (Effect of update rate on perceived instability of virtual haptic
+/// texture, 2004) found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is
+/// the stiffness of the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction,
+/// which is assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
 inline constexpr DeviceModel simulated_premium{.mass = 0.075,
                                                .viscous = 0.005,
                                                .dry = 0.04,
@@ -78,14 +78,14 @@ struct OwnAxes {
     [[nodiscard]] const Axis& operator[](int k) const noexcept { return axes[k]; }
 };
 
-/// A device in a hand, for those who have none: a `Device`, in SI units, the same on every run.
+/// A simulated device in a simulated hand: a `Device`, in SI units, with the same motion on every run.
 ///
 /// Between two updates the motors hold one force, shortened to the maximum; the hand moves on a straight line from
 /// path(t) to path(t + T); and each axis moves as its `Axis` solves it, exactly. The sample is the position as the
 /// encoders tell it, without velocity. A force is held `delay` updates later than it was given.
 ///
-/// As it comes, of a `DeviceModel`: three equal `StickSlipMass`es and encoders along x, y and z, without walls. What real
-/// devices have beyond that is put together from pieces, and costs nothing where it is left out:
+/// Made from a `DeviceModel` it has three equal `StickSlipMass`es, encoders along x, y and z, and no walls. What real
+/// devices have beyond that is composed of pieces, and costs nothing where it is left out:
 ///
 ///     driven_axis.hpp   amplifier lag, a linkage that gives, weight       in place of StickSlipMass
 ///     end_stops.hpp     walls of the workspace                            around either
@@ -110,8 +110,8 @@ public:
                           {model.capabilities.resolution},
                           std::move(path),
                           seconds} {}
-    /// The same of other pieces; the hand's grip is in the axes, and the resolution of the capabilities is what the
-    /// device says of itself.
+    /// Of other pieces. The hand's grip is in the axes; the resolution of the capabilities is only what the device says of
+    /// itself.
     constexpr SimulatedDevice(const DeviceCapabilities& capabilities, const Axes& axes,
                               const Encoders& encoders, Path path, double seconds)
         : capabilities_{capabilities}, axes_{axes}, encoders_{encoders}, path_{std::move(path)},
@@ -119,14 +119,14 @@ public:
         place(hand_, glm::dvec3{0.0});
     }
 
-    /// Whether model, grip, path and time are in range: `seconds` ≥ 0, ∞ for until the tick stops it, and what
-    /// `DeviceModel` and `StickSlipMass::valid` say.
+    /// Whether model, grip, encoders, path and time are in range: `seconds` ≥ 0, ∞ for until the tick stops it, and what
+    /// `DeviceModel` and `valid` of the axes and of the encoders say.
     [[nodiscard]] bool valid() const noexcept {
         const DeviceCapabilities& c = capabilities_;
         return is_at_least_zero(c.rate) && c.rate > 0 && axes_[0].valid(period()) &&
-               axes_[1].valid(period()) && axes_[2].valid(period()) && is_upper_limit(c.max_force) &&
-               is_at_least_zero(c.resolution) && 0 <= c.delay && c.delay <= max_delay && is_finite(hand_) &&
-               is_upper_limit(seconds_);
+               axes_[1].valid(period()) && axes_[2].valid(period()) && encoders_.valid() &&
+               is_upper_limit(c.max_force) && is_at_least_zero(c.resolution) && 0 <= c.delay &&
+               c.delay <= max_delay && is_finite(hand_) && is_upper_limit(seconds_);
     }
     [[nodiscard]] DeviceCapabilities capabilities() const noexcept { return capabilities_; }
     [[nodiscard]] double period() const noexcept { return 1 / capabilities_.rate; }
@@ -144,15 +144,16 @@ public:
         }
         return told;
     }
-    /// What it does not tell: where it is, how fast, where the hand wants it, and the force it was last told to hold.
+    /// What the device does not tell: its true position (m) and velocity (m/s), the hand's position, and the force (N) that
+    /// the motors hold.
     [[nodiscard]] glm::dvec3 position() const noexcept { return {state_[0].x, state_[1].x, state_[2].x}; }
     [[nodiscard]] glm::dvec3 velocity() const noexcept { return {state_[0].v, state_[1].v, state_[2].v}; }
     [[nodiscard]] const glm::dvec3& hand() const noexcept { return hand_; }
     [[nodiscard]] const glm::dvec3& held() const noexcept { return held_; }
-    /// All that an axis (0, 1, 2: x, y, z) knows of its motion.
+    /// The state of an axis (0, 1, 2: x, y, z).
     [[nodiscard]] const typename Axes::Axis::State& state(int axis) const noexcept { return state_[axis]; }
 
-    /// Gives the device its motion by hand, so to speak: for tests that start with a velocity.
+    /// Sets position (m) and velocity (m/s): for tests that start with a velocity.
     constexpr void place(const glm::dvec3& position, const glm::dvec3& velocity) noexcept {
         for (int k = 0; k < 3; ++k) state_[k] = Axes::Axis::at(position[k], velocity[k]);
     }

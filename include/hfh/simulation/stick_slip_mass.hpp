@@ -20,8 +20,8 @@ namespace hfh {
 ///
 ///     x(t) = x₀ + x′₀·G₁(t) + (f₀·G₂(t) + f₁·G₃(t))/m,   x′(t) = x′₀·G₀(t) + (f₀·G₁(t) + f₁·G₂(t))/m
 ///
-/// with f₀ + f₁·t the force on a mass held at x₀, Gₙ₊₁′ = Gₙ and G₀ = 1 − (b+d)/m·t + …, the homogeneous solution. No
-/// step size comes in: `advance` is exact but for rounding, and finds the instants of rest to the rounding of the time.
+/// with f₀ + f₁·t the force on a mass held at x₀, Gₙ₊₁′ = Gₙ and G₀ = 1 − (b+d)/m·t + …, the homogeneous solution. There
+/// is no step size: `advance` is exact but for rounding, and finds the instants of rest to the rounding of the time.
 struct StickSlipMass {
     double mass = 1;    ///< m, kg, > 0
     double viscous = 0; ///< b, N·s/m
@@ -35,7 +35,7 @@ struct StickSlipMass {
     };
     [[nodiscard]] static constexpr State at(double x, double v) noexcept { return {x, v}; }
 
-    /// Whether all is in range, for times up to `seconds`: numbers ≥ 0, a mass, and no faster than 500/`seconds`.
+    /// Whether all members are in range for times up to `seconds`: numbers ≥ 0, a mass > 0, and no rate above 500/`seconds`.
     [[nodiscard]] bool valid(double seconds) const noexcept {
         for (const double number : {mass, viscous, dry, spring, damper, seconds}) {
             if (!is_at_least_zero(number)) return false;
@@ -43,8 +43,8 @@ struct StickSlipMass {
         return mass > 0 && is_finite(1 / mass) && seconds > 0 && fastest() * seconds <= 500;
     }
 
-    /// The state after `seconds`, in which `newtons` acts and p goes from `from` to `to`. Precondition:
-    /// valid(seconds).
+    /// The state after `seconds`, in which `newtons` acts and p goes from `from` to `to`, metres, at constant speed.
+    /// Precondition: valid(seconds).
     [[nodiscard]] State advance(State state, double seconds, double newtons, double from,
                                 double to) const noexcept {
         const int parts = std::max(1, static_cast<int>(std::ceil(2 * fastest() * seconds)));
@@ -56,6 +56,7 @@ struct StickSlipMass {
     }
 
 private:
+    /// G₀ to G₃ at one time.
     struct Response {
         double g0, g1, g2, g3;
     };
@@ -68,8 +69,8 @@ private:
     [[nodiscard]] double squared_frequency() const noexcept { return spring / mass; }
     [[nodiscard]] double fastest() const noexcept { return std::max(rate(), std::sqrt(squared_frequency())); }
 
-    /// G₀ to G₃ by their Taylor series, whose n-th term is less than (1.62·fastest·t)ⁿ/n!. A part of a tick is so short
-    /// that fastest·t ≤ ½, and 18 terms leave 4·10⁻¹⁸.
+    /// G₀ to G₃ by their Taylor series, whose n-th term is less than (1.62·fastest·t)ⁿ/n!. `advance` divides the time so
+    /// that fastest·t ≤ ½, where 18 terms leave 4·10⁻¹⁸.
     [[nodiscard]] Response response(double t) const noexcept {
         const double b = rate(), w = squared_frequency();
         double u = 1, next = -b;
@@ -103,7 +104,8 @@ private:
                 s.v * r.g0 + (f.f0 * r.g1 + f.f1 * r.g2) / mass};
     }
 
-    /// Where in 0 < t ≤ `end` a function that is positive first and not at `end` changes.
+    /// The time in 0 < t ≤ `end` at which a function that is true at first and false at `end` becomes false. Ends when no
+    /// number is left between the two bounds.
     template <class Function>
     [[nodiscard]] static double crossing(Function&& positive, double end) noexcept {
         double low = 0, high = end;
@@ -113,8 +115,8 @@ private:
         return high;
     }
 
-    /// When a mass that slides in direction `sign` first stands still; more than `end` if not until then. The
-    /// acceleration is a homogeneous solution, so that within fastest·t ≤ ½ it has one zero at the most.
+    /// When a mass that slides in direction `sign` first stands still, in seconds; more than `end` if not until then. The
+    /// acceleration is a homogeneous solution, so within fastest·t ≤ ½ it has at most one zero.
     [[nodiscard]] double rest_after(const State& s, Drive f, double sign, double end) const noexcept {
         double stop = end;
         if (sign * velocity(s, f, end) > 0) {
@@ -126,8 +128,8 @@ private:
         return crossing([&](double t) { return sign * velocity(s, f, t) > 0; }, stop);
     }
 
-    /// A stretch with fastest·seconds ≤ ½: rest and sliding by turns. A force that is linear in time cannot make more
-    /// than a few of them (three is the most that any test has seen); after 16 the mass would stay where it is.
+    /// The state after a time with fastest·seconds ≤ ½: rest and sliding in turns. Under a force that is linear in time there
+    /// are only a few turns. The loop ends after 16, and the mass would then stay where it is.
     [[nodiscard]] State advance_part(State s, double seconds, double newtons, double p,
                                      double speed) const noexcept {
         double left = seconds;

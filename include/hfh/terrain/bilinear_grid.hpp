@@ -15,7 +15,8 @@ namespace hfh {
 /// in a right-handed frame with z up.
 struct GridFrame {
     glm::dvec2 origin{0.0}; ///< metres
-    glm::dvec2 spacing{1.0}; ///< metres, > 0, from 2⁻³¹ to 2³¹ in float and from 2⁻²⁵⁵ to 2²⁵⁵ in double
+    /// Metres, > 0: from 2⁻³¹ to 2³¹ in float, from 2⁻²⁵⁵ to 2²⁵⁵ in double.
+    glm::dvec2 spacing{1.0};
     double height_scale = 1.0;  ///< metres per unit of a sample
     double height_offset = 0.0; ///< metres
 };
@@ -30,11 +31,11 @@ enum class GridStatus : unsigned char {
 
 /// The library's own height field: samples, usually a `HeightView`, and a frame.
 ///
-/// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does
-/// not throw: a grid made from a bad frame says so in `status()` and is empty, so that nothing is ever felt.
+/// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does not throw: a
+/// grid made from a bad frame has that as its `status()` and no cells, so it is never felt.
 ///
-/// A sample is a hole where its source says so, and where it makes no height: NaN, infinity, and from `longest` metres on in
-/// size (2³¹ in float, 2²⁵⁵ in double). So the "no data" value of a raster of float or double need not be declared if it is that large.
+/// A sample is a hole where its source says so, and where its height is NaN, infinite, or `longest` metres or more in size
+/// (2³¹ in float, 2²⁵⁵ in double). So a "no data" value of that size need not be declared.
 template <Real T, HeightSource Heights>
 class BilinearGrid {
 public:
@@ -52,7 +53,7 @@ public:
         } else if (!is_finite(height_scale_) || !is_finite(height_offset_) || !all_integers(is_finite<T>)) {
             status_ = GridStatus::bad_height_scale;
         } else {
-            cells_.last = {heights.columns() - 1, heights.rows() - 1};
+            cells_.end = {heights.columns() - 1, heights.rows() - 1};
             integers_exceed_limit_ = !all_integers(is_height<T>);
         }
     }
@@ -65,8 +66,7 @@ public:
 
     /// The patch over cell c; empty outside the grid and where a corner is a hole.
     [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
-        // One object for every return, so that it is made in place: a copy of an optional goes through memory and costs
-        // a patch evaluation a quarter more.
+        // One object for every return, so that it is made in place: a copy of an optional goes through memory.
         std::optional<BilinearPatch<T>> found;
         if (!cells_.contains(c)) return found;
         const auto s00 = heights_(c.i, c.j), s10 = heights_(c.i + 1, c.j);
@@ -84,8 +84,8 @@ public:
         return found;
     }
 
-    /// Whether there are heights at all six corners, and all lie below z. See `CorneredHeightField`. Compares samples and
-    /// makes one height of them, and has no branch that depends on them: a cast of 30 cells takes 7 % less than with six.
+    /// Whether there are heights at all six corners, and all lie below z. See `CorneredHeightField`. Finds the lowest and
+    /// the highest sample first and converts only these to metres, without a branch that depends on a sample.
     [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Cell (&corners)[6],
                                                                    T z) const noexcept {
         SampleType low = heights_(corners[0].i, corners[0].j), high = low;
@@ -108,13 +108,14 @@ public:
         return {metres(falls ? high : low), metres(falls ? low : high)};
     }
 
-    /// Whether samples that make the heights of such a range are no holes for being too large.
+    /// Whether no sample with a height in such a range is a hole for being too large.
     [[nodiscard]] constexpr bool in_range(const HeightRange<T>& range) const noexcept {
         return !may_exceed_limit() || (is_height(range.lowest) && is_height(range.highest));
     }
 
 private:
-    /// Whether there are samples that make no height. Of integers mostly none does, and no patch need ask.
+    /// Whether a sample's height may be too large to be one. For integers this is known from their type and the scale, so
+    /// that a patch need not be tested.
     [[nodiscard]] constexpr bool may_exceed_limit() const noexcept {
         return std::is_floating_point_v<SampleType> || integers_exceed_limit_;
     }

@@ -20,48 +20,45 @@ namespace hfh {
 /// tip's centre, on this surface. Nothing is stored: a vertex is computed when it is asked for, from the patches
 /// within r (whole patches, not samples alone), so edits are felt at once.
 ///
-/// How far it is from the true offset surface: at the vertices nothing but rounding where the patches within r have
-/// |twist|·r < dx·dy/2, and perhaps too low where they are bent nearly as sharply as the ball or more. Between them
-/// it is too low over convex ground, where the chord runs below the arc, by (dx² + dy²)/(8 r n²) on gentle ground, and
-/// too high in creases of the offset surface, by a quarter of the change of slope times dx/n. Measured (hfh_tests
-/// "[tip_error]"), in cells, the largest of 200 points, with r of one cell and n = 1, 2, 4, 8: nothing that the search
-/// resolves on planes and valleys; a ridge of twice 27° 0.07, 0.03, 0.009, 0.002; samples at random over half a cell
-/// 0.08, 0.06, 0.03, 0.01, over two cells 0.42, 0.19, 0.11, 0.05. A tip smaller than the cells of the fine lattice is
-/// not resolved at crests: choose n ≥ 2·dx/r.
+/// How far it is from the true offset surface, with n subdivisions: at the vertices no farther than rounding where the
+/// patches within r have |twist|·r < dx·dy/2; where they are bent nearly as sharply as the ball, or more, a vertex may be
+/// too low. Between the vertices it is too low over convex ground, where the chord runs below the arc, by
+/// (dx² + dy²)/(8 r n²) on gentle ground, and too high in creases of the offset surface, by a quarter of the change of
+/// slope times dx/n. The tests tagged [tip_error] measure it. A tip smaller than the cells of the fine lattice is not
+/// resolved at crests: choose n ≥ 2·dx/r.
 ///
-/// The guarantees are not to be had for the exact offset surface by composition: its pieces are spheres, cylinders and
-/// offsets of bilinear patches that cut each other, and first crossing and descent are exact for bilinear patches.
-/// For a solid; a sheet would need a second surface, lowered by r, for its other side.
+/// The surface is interpolated because the tracker's guarantees are for bilinear patches: the exact offset surface consists
+/// of spheres, cylinders and offsets of bilinear patches that intersect each other. It is for a solid; a sheet would need a
+/// second surface, lowered by r, for its other side.
 ///
-/// Around a hole, and beyond the rim, the surface goes on as far as the ball still touches, r, and holes narrower
-/// than the tip close. One vertex costs at most (2r/dx + 3)·(2r/dy + 3) patches of the field, one patch four vertices:
-/// some 4 µs at r = dx/2, 10 at 2 dx, so give the tracker a `max_patches` of a hundred or so. Keeps a pointer to the
-/// field, which must outlive it; does not throw, does not allocate.
+/// Around a hole, and beyond the rim, the surface goes on for r, as far as the ball still touches the ground. Holes narrower
+/// than the tip close. One vertex costs at most (2r/dx + 3)·(2r/dy + 3) patches of the field, and one patch four vertices.
+/// That is microseconds, so limit the tracker's work to a `max_patches` of a hundred or so. Keeps a pointer to the field,
+/// which must outlive it; does not throw, does not allocate.
 template <HeightField Field>
 class DilatedField {
 public:
     using Scalar = typename Field::Scalar;
 
-    /// `radius` in metres; not finite or below 0 counts as 0, more than 1000 cells as 1000. `subdivisions` from 1 to
-    /// 1000; what is less counts as 1, what is more as 1000. If the fine cells are too small to be computed with
-    /// (`spacing_in_range`), there are none.
+    /// `radius` in metres; not finite or below 0 counts as 0, more than 1000 cells as 1000. `subdivisions` is clamped to 1 …
+    /// 1000. If the fine cells are too small to compute with (`spacing_in_range`), the field has no cells.
     constexpr DilatedField(const Field& field, Scalar radius, int subdivisions = 1) noexcept
         : field_{&field}, radius_{is_finite(radius) && radius > 0 ? std::min(radius, widest(field))
                                                                   : Scalar(0)},
-          finer_{std::clamp(subdivisions, 1, 1000)} {}
+          subdivisions_{std::clamp(subdivisions, 1, 1000)} {}
     DilatedField(const Field&&, Scalar, int = 1) = delete; // the field must outlive this one
 
     [[nodiscard]] constexpr Lattice lattice() const noexcept {
         const Lattice coarse = field_->lattice();
-        return {coarse.origin(), coarse.spacing() / static_cast<double>(finer_)};
+        return {coarse.origin(), coarse.spacing() / static_cast<double>(subdivisions_)};
     }
     [[nodiscard]] constexpr CellRange cells() const noexcept {
         const CellRange inside = field_->cells();
         if (inside.empty() || !spacing_in_range<Scalar>(lattice().spacing())) return {};
         const glm::dvec2 reach =
-            widen(radius_) * finer_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
-        return {{stretched(inside.first.i, -reach.x), stretched(inside.first.j, -reach.y)},
-                {stretched(inside.last.i, reach.x), stretched(inside.last.j, reach.y)}};
+            widen(radius_) * subdivisions_ * field_->lattice().cells_per_metre() + glm::dvec2{1.0};
+        return {{fine_line(inside.begin.i, -reach.x), fine_line(inside.begin.j, -reach.y)},
+                {fine_line(inside.end.i, reach.x), fine_line(inside.end.j, reach.y)}};
     }
     [[nodiscard]] std::optional<BilinearPatch<Scalar>> patch(Cell c) const noexcept {
         if (!cells().contains(c)) return std::nullopt;
@@ -73,18 +70,19 @@ public:
 
     /// z_r at vertex (i, j) of the fine lattice, in metres; empty if the ball touches nothing there.
     [[nodiscard]] std::optional<Scalar> height(Index i, Index j) const noexcept {
-        const Cell home{down(i), down(j)};
+        const Cell home{coarse_line(i), coarse_line(j)};
         const vec2<Scalar> cell{field_->lattice().spacing()};
         // The ball's centre, in metres from the corner of the cell it is over.
         const vec2<Scalar> centre{
-            cell.x * static_cast<Scalar>(i - home.i * finer_) / static_cast<Scalar>(finer_),
-            cell.y * static_cast<Scalar>(j - home.j * finer_) / static_cast<Scalar>(finer_)};
+            cell.x * static_cast<Scalar>(i - home.i * subdivisions_) / static_cast<Scalar>(subdivisions_),
+            cell.y * static_cast<Scalar>(j - home.j * subdivisions_) / static_cast<Scalar>(subdivisions_)};
         // Cells that end or begin at the very end of the ball's reach are touched as well.
-        const Cell low{-cells_in((radius_ - centre.x) / cell.x) - 1,
-                       -cells_in((radius_ - centre.y) / cell.y) - 1};
-        const Cell high{cells_in((centre.x + radius_) / cell.x), cells_in((centre.y + radius_) / cell.y)};
+        const Cell begin{-cells_in((radius_ - centre.x) / cell.x) - 1,
+                         -cells_in((radius_ - centre.y) / cell.y) - 1};
+        const Cell end{cells_in((centre.x + radius_) / cell.x) + 1,
+                       cells_in((centre.y + radius_) / cell.y) + 1};
         std::optional<Scalar> top;
-        const auto look = [&](Index i_off, Index j_off) {
+        const auto offer = [&](Index i_off, Index j_off) {
             const vec2<Scalar> corner{static_cast<Scalar>(i_off) * cell.x - centre.x,
                                       static_cast<Scalar>(j_off) * cell.y - centre.y};
             const vec2<Scalar> nearest{std::clamp(Scalar(0), corner.x, corner.x + cell.x),
@@ -96,9 +94,9 @@ public:
             const Scalar here = highest_centre(*found, corner, nearest);
             if (is_finite(here) && (!top || here > *top)) top = here;
         };
-        look(0, 0); // a good start: what is lower all over is skipped after one look
-        for (Index b = low.j; b <= high.j; ++b) {
-            for (Index a = low.i; a <= high.i; ++a) look(a, b);
+        offer(0, 0); // first, so that patches that are lower everywhere are skipped
+        for (Index b = begin.j; b < end.j; ++b) {
+            for (Index a = begin.i; a < end.i; ++a) offer(a, b);
         }
         return top;
     }
@@ -152,14 +150,14 @@ private:
     /// Floor, of a number of cells that an Index holds.
     [[nodiscard]] static Index cells_in(Scalar x) noexcept { return static_cast<Index>(std::floor(x)); }
     /// The coarse line at or below fine line i.
-    [[nodiscard]] constexpr Index down(Index i) const noexcept {
-        const Index n = finer_;
+    [[nodiscard]] constexpr Index coarse_line(Index i) const noexcept {
+        const Index n = subdivisions_;
         return i >= 0 ? i / n : -((n - 1 - i) / n);
     }
     /// Fine line over coarse line i and `by` fine cells more, as far as cells can be numbered.
-    [[nodiscard]] constexpr Index stretched(Index i, double by) const noexcept {
-        constexpr Index far = CellRange::endless().last.i;
-        const double line = static_cast<double>(i) * finer_ + by;
+    [[nodiscard]] constexpr Index fine_line(Index i, double by) const noexcept {
+        constexpr Index far = CellRange::endless().end.i;
+        const double line = static_cast<double>(i) * subdivisions_ + by;
         return line < static_cast<double>(-far)  ? -far
                : line > static_cast<double>(far) ? far
                                                  : static_cast<Index>(std::floor(line));
@@ -167,7 +165,7 @@ private:
 
     const Field* field_;
     Scalar radius_;
-    int finer_;
+    int subdivisions_;
 };
 
 } // namespace hfh

@@ -7,19 +7,19 @@
 
 namespace hfh {
 
-/// A height field that goes on beyond the rim of another, endlessly and level: outside, the height is that of the
-/// nearest point of the rim.
+/// A height field with an extension: beyond the rim of another field it goes on without end, at the height of the nearest
+/// point of the rim.
 ///
 ///     z(x, y) = field's z at (x, y) clamped to field.cells()
 ///
-/// Without it a proxy that slides off the rim is released and the force drops to zero; with it the surface is one
-/// piece, with a crease along the rim, and a stroke over the rim neither kicks nor drops. Inside, the patches are the
-/// field's, to the bit; outside, a patch repeats the heights of the nearest border cell, and is missing where that one
-/// is: a hole at the rim goes on outwards as a gap of its own width. Holes inside stay what they are. A field without
-/// cells stays without.
+/// Without the extension a proxy that slides off the rim is released and the force drops to zero. With it the surface is
+/// continuous, with a crease along the rim, and so is the force of a stroke over the rim. Inside, the patches are the
+/// field's, to the bit. Outside, a patch repeats the heights of the nearest border cell and is missing where that cell has no
+/// patch: a hole at the rim goes on outwards as a gap of its own width. Holes inside stay holes. A field without cells has
+/// no extension.
 ///
-/// Costs a comparison with the field's range a patch. A sweep through free space takes every cell beyond the rim as
-/// well. Keeps a pointer to the field, which must outlive it; does not throw, does not allocate.
+/// Costs one comparison of the cell with the field's range for each patch. A cast through free space visits the cells beyond
+/// the rim too. Keeps a pointer to the field, which must outlive it; does not throw, does not allocate.
 template <HeightField Field>
 class ExtendedField {
 public:
@@ -36,8 +36,8 @@ public:
         const CellRange inside = field_->cells();
         if (inside.contains(c)) return field_->patch(c);
         if (inside.empty() || !CellRange::endless().contains(c)) return std::nullopt;
-        const Cell nearest{std::clamp(c.i, inside.first.i, inside.last.i - 1),
-                           std::clamp(c.j, inside.first.j, inside.last.j - 1)};
+        const Cell nearest{std::clamp(c.i, inside.begin.i, inside.end.i - 1),
+                           std::clamp(c.j, inside.begin.j, inside.end.j - 1)};
         auto found = field_->patch(nearest);
         if (!found) return std::nullopt;
         auto& p = *found;

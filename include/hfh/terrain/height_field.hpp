@@ -8,8 +8,8 @@
 
 namespace hfh {
 
-/// What every algorithm of the library asks of a terrain. `BilinearGrid` is one; a formula, a tiled store or
-/// somebody else's engine becomes one by having
+/// What every algorithm of the library asks of a terrain. `BilinearGrid` is a height field; a formula, a tiled store or a
+/// terrain engine becomes one by having
 ///
 ///     using Scalar = float or double;
 ///     Lattice   lattice() const noexcept;       the grid lines
@@ -30,11 +30,11 @@ concept HeightField = Real<typename F::Scalar>
     };
 // clang-format on
 
-/// A height field that compares corners with a height without making patches of them, for a search to pass over: worth it
-/// where samples are at hand, and not where each has to be computed. `corners_below(corners, z)` tells whether all six
-/// are corners of patches and below z, to the bit. They are those of two cells that share an edge, or of one, two of them
-/// twice; a cell of cells() has a patch exactly where its four corners have heights. Precondition: the cells are in
-/// cells().
+/// A height field that compares corners with a height without making patches of them, so that a search passes over cells
+/// that lie below it. That pays where samples are stored, and not where each has to be computed. `corners_below(corners, z)`
+/// is whether all six are corners of patches and below z, to the bit. The six are the corners of two cells that share an
+/// edge, or of one cell with two of them twice. A cell of cells() has a patch exactly where its four corners have heights.
+/// Precondition: the cells are in cells().
 // clang-format off
 template <class F>
 concept CorneredHeightField = HeightField<F>
@@ -49,15 +49,15 @@ struct HeightRange {
     T lowest, highest;
 };
 
-/// A height field that can bound its heights over blocks of cells, so that a long search skips what lies far below or
+/// A height field that bounds its heights over blocks of cells, so that a long search skips blocks that lie far below or
 /// above it. The cells of such a field are numbered from {0, 0}. Block (I, J) of level l holds the cells
 ///
 ///     I·2ᵇ ≤ i < (I+1)·2ᵇ,  J·2ᵇ ≤ j < (J+1)·2ᵇ,  b = block_bits + 2 l,  0 ≤ l < levels()
 ///
-/// as far as they are in cells(), and has at least one of them; at the highest level it holds all. `block_range(l, a, b)`
-/// bounds two blocks that share a side, or one twice: every cell of them holds a patch, and the range bounds them all;
-/// where one is missing the range is [lowest, max] of Scalar, which bounds nothing. Precondition: there are such blocks.
-/// 0 levels bound nothing.
+/// that are in cells(), and there is at least one; the one block of the highest level holds all. `block_range(l, a, b)`
+/// bounds the patches of two blocks that share a side, or of one block given twice. Where a cell of them has no patch the
+/// range is [lowest, max] of Scalar, which bounds nothing. Precondition: the blocks exist. With levels() = 0 nothing is
+/// bounded.
 // clang-format off
 template <class F>
 concept BoundedHeightField = HeightField<F>

@@ -6,7 +6,7 @@
 #include <concepts>
 #include <type_traits>
 
-// The height field data of §4.1: "images with depth values", read where they lie.
+// The height field data of §4.1, "images with depth values", read from the user's memory.
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.1; the strided views of std::mdspan (P0009).
 
 namespace hfh {
@@ -36,9 +36,9 @@ struct NeverMissing {
     }
 };
 
-/// Samples equal to `value` are holes: the "no data" value of a raster. It is of the samples' own type, or both are
-/// integers, which are compared as numbers; anything else does not compile. For converted to the type of the value a
-/// float of half a metre would be the int 0, and no float is the double −3.4·10³⁸. So for float samples write
+/// Samples equal to `value` are holes: the "no data" value of a raster. The value has the samples' own type, or both are
+/// integers, which are compared as numbers; anything else does not compile, because a comparison of converted numbers goes
+/// wrong: as an int the float 0.5 equals 0, and no float equals the double −3.4·10³⁸. So for float samples write
 /// `MissingValue{-9999.0f}`.
 template <Sample S>
 struct MissingValue {
@@ -71,8 +71,8 @@ concept TellsHoles = std::predicate<const Missing&, S>;
 ///     HeightView{pixels + 3, w, h, 4, 4 * w}          the alpha channel of RGBA pixels
 ///     HeightView{heights, w, h}.flipped_rows()        a raster stored north row first, seen right way up
 ///
-/// `Missing` is a predicate on a sample that tells a hole. The view owns nothing, copies nothing and keeps
-/// no more than the numbers above; the storage must outlive it and may change under it between updates.
+/// `Missing` is a predicate, true for a sample that marks a hole. The view owns nothing, copies no samples and keeps no more
+/// than the numbers above; the storage must outlive it and may change between updates.
 template <Sample S, TellsHoles<S> Missing = NeverMissing>
 class HeightView {
 public:

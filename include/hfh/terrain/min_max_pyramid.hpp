@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <utility>
 
-// Optional bounds on heights for long searches: a coarse pyramid of lowest and highest samples beside the grid.
 // Based on: Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering (2008).
+// Optional bounds on heights for long casts: the lowest and the highest samples of blocks, beside the grid.
 
 namespace hfh {
 
@@ -96,10 +96,10 @@ public:
     /// Three arrays of 4 KiB: they stay in the first-level cache, and on any stack.
     static constexpr Index most_blocks = 4096 / (side * Index{sizeof(S)});
 
-    /// Rows first ≤ j ≤ last, at most side + 1, of `columns` samples, at most side·most_blocks + 1.
+    /// Reads rows begin ≤ j < end, at most side + 1, of `columns` samples, at most side·most_blocks + 1.
     template <class Rows>
-    constexpr void read(const Rows& rows, Index columns, Index first, Index last) noexcept {
-        take(rows, std::make_index_sequence<side + 1>{}, columns, first, last, lowest_, highest_, hole_);
+    constexpr void read(const Rows& rows, Index columns, Index begin, Index end) noexcept {
+        take(rows, std::make_index_sequence<side + 1>{}, columns, begin, end, lowest_, highest_, hole_);
         // The last block may be cut off by the border: its last column again in those it lacks.
         for (Index c = columns; c % side != 1; ++c) {
             lowest_[c] = lowest_[columns - 1];
@@ -108,17 +108,17 @@ public:
         }
     }
 
-    /// Over columns b·side to (b + 1)·side, both shared with the neighbours.
+    /// The range of block b: its columns, and the one behind them, which the next block has as well.
     template <class Rows>
     [[nodiscard]] constexpr SampleRange<S> block(Index b) const noexcept {
-        const Index first = b * side, last = first + side;
-        S low = lowest_[last], high = highest_[last];
-        for (Index c = first; c < last; ++c) low = std::min(low, lowest_[c]);
-        for (Index c = first; c < last; ++c) high = std::max(high, highest_[c]);
-        // Last: a return before the other loops would cost 16-bit samples a quarter of their speed.
+        const Index begin = b * side, end = begin + side;
+        S low = lowest_[end], high = highest_[end];
+        for (Index c = begin; c < end; ++c) low = std::min(low, lowest_[c]);
+        for (Index c = begin; c < end; ++c) high = std::max(high, highest_[c]);
+        // Behind the other loops, of which a return before them would keep the compiler from making vector code.
         if constexpr (Rows::may_have_holes) {
-            Flag hole = hole_[last];
-            for (Index c = first; c < last; ++c) hole = static_cast<Flag>(hole | hole_[c]);
+            Flag hole = hole_[end];
+            for (Index c = begin; c < end; ++c) hole = static_cast<Flag>(hole | hole_[c]);
             if (hole != 0) return {};
         }
         return {low, high};
@@ -132,13 +132,12 @@ private:
     // clang-format on
 
     /// All rows at once, the last one again where there are fewer: nothing is stored between rows, and many lines of
-    /// memory are fetched at a time (16-bit samples in memory: 1.8 times as fast as one row after the other).
-    /// `__restrict`, for a compiler would fear that the arrays overlap the rows.
+    /// memory are fetched at a time. `__restrict`, for a compiler would assume that the arrays may overlap the rows.
     template <class Rows, std::size_t... k>
-    static constexpr void take(const Rows rows, std::index_sequence<k...>, Index columns, Index first,
-                               Index last, S* __restrict lowest, S* __restrict highest,
+    static constexpr void take(const Rows rows, std::index_sequence<k...>, Index columns, Index begin,
+                               Index end, S* __restrict lowest, S* __restrict highest,
                                Flag* __restrict holes) noexcept {
-        const decltype(rows.row(0)) row[]{rows.row(std::min(first + Index{k}, last))...};
+        const decltype(rows.row(0)) row[]{rows.row(std::min(begin + Index{k}, end - 1))...};
         for (Index c = 0; c < columns; ++c) {
             S low = row[0][c], high = low, sample = low;
             ((sample = row[k][c], low = sample < low ? sample : low, high = high < sample ? sample : high),
@@ -175,7 +174,7 @@ public:
     using Range = SampleRange<S>;
 
     /// Blocks of 8 × 8 cells for samples of one byte or two, of 16 × 16 for larger ones: the smaller they are, the fewer
-    /// cells a cast looks at (8 × 8: 300 cells take 2 to 14 % less time), and the more storage they need.
+    /// cells a cast looks at, and the more storage they need.
     static constexpr int block_bits = detail::block_bits<S>;
 
     /// The ranges of storage that columns × rows samples need, 0 if they make no cell: one for each block of level 0 and
@@ -218,7 +217,7 @@ public:
         return update(heights, {{0, 0}, {columns_, rows_}});
     }
 
-    /// Makes the ranges anew that samples first.i ≤ i < last.i, first.j ≤ j < last.j touch, as far as there are such:
+    /// Makes the ranges anew that samples begin.i ≤ i < end.i, begin.j ≤ j < end.j touch, as far as there are such:
     /// after an edit of them. Reads the blocks of these samples and no others: up to 4 for a brush no wider than a block,
     /// then at most 16 ranges for each of as many or fewer blocks on every level.
     template <HeightSource Heights>
@@ -228,17 +227,17 @@ public:
         if (heights.columns() != columns_ || heights.rows() != rows_) return PyramidStatus::other_size;
         // Sample i is a corner of the cells i − 1 and i.
         const CellRange cells{
-            {std::max<Index>(samples.first.i, 1) - 1, std::max<Index>(samples.first.j, 1) - 1},
-            {std::min(samples.last.i, columns_ - 1), std::min(samples.last.j, rows_ - 1)}};
+            {std::max<Index>(samples.begin.i, 1) - 1, std::max<Index>(samples.begin.j, 1) - 1},
+            {std::min(samples.end.i, columns_ - 1), std::min(samples.end.j, rows_ - 1)}};
         if (samples.empty() || cells.empty()) return status_;
-        CellRange touched{{cells.first.i >> block_bits, cells.first.j >> block_bits},
-                          {((cells.last.i - 1) >> block_bits) + 1, ((cells.last.j - 1) >> block_bits) + 1}};
+        CellRange touched{{cells.begin.i >> block_bits, cells.begin.j >> block_bits},
+                          {((cells.end.i - 1) >> block_bits) + 1, ((cells.end.j - 1) >> block_bits) + 1}};
         read_blocks(heights, touched);
         for (int level = 1; level < levels_; ++level) {
-            touched = {{touched.first.i / 4, touched.first.j / 4},
-                       {(touched.last.i + 3) / 4, (touched.last.j + 3) / 4}};
-            for (Index j = touched.first.j; j < touched.last.j; ++j) {
-                for (Index i = touched.first.i; i < touched.last.i; ++i) join_below(level, {i, j});
+            touched = {{touched.begin.i / 4, touched.begin.j / 4},
+                       {(touched.end.i + 3) / 4, (touched.end.j + 3) / 4}};
+            for (Index j = touched.begin.j; j < touched.end.j; ++j) {
+                for (Index i = touched.begin.i; i < touched.end.i; ++i) join_below(level, {i, j});
             }
         }
         return status_;
@@ -255,8 +254,9 @@ private:
         if (columns < 2 || rows < 2) return 0;
         columns_ = columns;
         rows_ = rows;
-        const auto last = static_cast<std::size_t>((std::max(columns, rows) - 2) >> block_bits);
-        levels_ = 1 + (static_cast<int>(std::bit_width(last)) + 1) / 2;
+        // Blocks of level 0 along the longer side, but for one. Four of them make one of the next level.
+        const auto others = static_cast<std::size_t>((std::max(columns, rows) - 2) >> block_bits);
+        levels_ = 1 + (static_cast<int>(std::bit_width(others)) + 1) / 2;
         Index count = 0;
         for (int level = 0; level < levels_; ++level) {
             const int bits = std::min(block_bits + 2 * level, std::numeric_limits<Index>::digits);
@@ -281,11 +281,11 @@ private:
     }
     constexpr void join_below(int level, Cell block) noexcept {
         const Level& below = level_[level - 1];
-        const Index i = 4 * block.i, j = 4 * block.j, past_i = std::min(i + 4, below.columns),
-                    past_j = std::min(j + 4, below.rows);
+        const Index i = 4 * block.i, j = 4 * block.j, end_i = std::min(i + 4, below.columns),
+                    end_j = std::min(j + 4, below.rows);
         Range all = at(level - 1, {i, j});
-        for (Index y = j; y < past_j; ++y) {
-            for (Index x = i; x < past_i; ++x) all = join(all, at(level - 1, {x, y}));
+        for (Index y = j; y < end_j; ++y) {
+            for (Index x = i; x < end_i; ++x) all = join(all, at(level - 1, {x, y}));
         }
         at(level, block) = all;
     }
@@ -294,9 +294,9 @@ private:
     template <HeightSource Heights>
     constexpr void read_blocks(const Heights& heights, const CellRange& wanted) noexcept {
         constexpr Index most = detail::ColumnStrip<S>::most_blocks;
-        for (Index j = wanted.first.j; j < wanted.last.j; ++j) {
-            for (Index i = wanted.first.i; i < wanted.last.i; i += most) {
-                read_piece(heights, {i, j}, std::min(most, wanted.last.i - i));
+        for (Index j = wanted.begin.j; j < wanted.end.j; ++j) {
+            for (Index i = wanted.begin.i; i < wanted.end.i; i += most) {
+                read_piece(heights, {i, j}, std::min(most, wanted.end.i - i));
             }
         }
     }
@@ -332,7 +332,7 @@ private:
     constexpr void read_rows(const Rows& rows, Cell first, Index count) noexcept {
         const Index columns = std::min(count * side + 1, columns_ - first.i * side);
         detail::ColumnStrip<S> strip;
-        strip.read(rows, columns, first.j * side, std::min((first.j + 1) * side, rows_ - 1));
+        strip.read(rows, columns, first.j * side, std::min((first.j + 1) * side + 1, rows_));
         Range* const ranges = &at(0, first);
         for (Index b = 0; b < count; ++b) ranges[b] = strip.template block<Rows>(b);
     }
@@ -363,7 +363,7 @@ public:
     using Bounds = MinMaxPyramid<typename Grid::SampleType>;
 
     constexpr BoundedGrid(const Grid& grid, typename Bounds::Range* storage, Index count) noexcept
-        : grid_{grid}, bounds_{storage, count, grid.cells().last.i + 1, grid.cells().last.j + 1} {}
+        : grid_{grid}, bounds_{storage, count, grid.cells().end.i + 1, grid.cells().end.j + 1} {}
 
     [[nodiscard]] constexpr PyramidStatus status() const noexcept { return bounds_.status(); }
     [[nodiscard]] constexpr const Grid& grid() const noexcept { return grid_; }
@@ -377,7 +377,7 @@ public:
 
     [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return grid_.lattice(); }
     [[nodiscard]] constexpr CellRange cells() const noexcept { return grid_.cells(); }
-    [[nodiscard]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         return grid_.patch(c);
     }
     [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Cell (&corners)[6],

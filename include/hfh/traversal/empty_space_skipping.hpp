@@ -8,106 +8,132 @@
 
 #include <cmath>
 
-// How far along a segment nothing can be met, told by comparing heights alone: no crossing times, no quadratics. What
-// is left over is for `first_hit` to judge.
+// How far along a segment nothing can be met, found by comparing heights alone: no crossing times, no quadratics. Only the
+// rest is traversed cell by cell.
 //
-// The cells are looked at in columns across the longer axis of the segment (in cells). Over a column the segment
-// passes one cell or two, and its height is linear in the number of the grid line: no division in the loop, and no
-// column waits for the one before. Every estimate is widened by a bound of its rounding, and of the rounding of the
-// exact walk, so that a column is only called clear if each of its cells would be passed by the exact walk as well.
+// Based on: Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering (2008):
+// a ray descends and ascends the levels of a pyramid of bounds. Here it advances by slabs, and looks at cells too.
+//
+// The *major axis* is the one along which the segment is longer, counted in cells; the *minor axis* is the other one. A
+// *slab* is a column or row of cells across the major axis. The segment passes one or two cells of a slab (three at a
+// vertex), and where it crosses a slab's border depends linearly on the number of the grid line: no division in the loop,
+// and no slab waits for the one before. Every estimate is widened by a bound of its rounding, and of the rounding of the
+// exact traversal, so that a slab is only called empty if the exact traversal would find nothing in its cells either.
 
 namespace hfh::detail {
 
-/// A segment seen along its longer axis. Lines and columns are counted in the direction of the segment: line k is grid
-/// line `along.base` ± k of that axis, and column k lies between lines k and k + 1.
-class Profile {
+/// The numbers begin ≤ n < end.
+struct IndexRange {
+    Index begin, end;
+    [[nodiscard]] constexpr bool contains(Index n) const noexcept { return begin <= n && n < end; }
+};
+/// The part of a range of cells along the major and along the minor axis.
+template <bool x_major>
+[[nodiscard]] IndexRange major_range(const CellRange& cells) noexcept {
+    return x_major ? IndexRange{cells.begin.i, cells.end.i} : IndexRange{cells.begin.j, cells.end.j};
+}
+template <bool x_major>
+[[nodiscard]] IndexRange minor_range(const CellRange& cells) noexcept {
+    return major_range<!x_major>(cells);
+}
+/// The cell with these numbers along both axes.
+template <bool x_major>
+[[nodiscard]] constexpr Cell cell_at(Index major, Index minor) noexcept {
+    return x_major ? Cell{major, minor} : Cell{minor, major};
+}
+
+/// A segment seen along its major axis. Lines and slabs are counted in the direction of the segment: line k is grid line
+/// `base` ± k of that axis, `base` being the cell in which the segment begins, and slab k lies between lines k and k + 1.
+class SegmentProfile {
 public:
-    /// Where the segment is on a line: in cells across, and its height.
-    struct Crossing {
-        double cell, z;
+    /// Where the segment is on a line: in cells along the minor axis, and in metres of height.
+    struct LinePoint {
+        double minor, z;
     };
-    /// Cells across which the segment may touch between two lines, and heights that it stays between there.
-    struct Part {
-        Index first, last;
+    /// What the segment may touch between two lines: the cells begin ≤ n < end along the minor axis, and heights in metres.
+    struct SlabPart {
+        Index begin, end;
         double lowest, highest;
+
+        [[nodiscard]] bool is_in(const IndexRange& range) const noexcept {
+            return range.begin <= begin && end - 1 < range.end;
+        }
     };
 
-    /// `along` and `across` are the axes of the segment, from az to bz. Precondition: it goes a cell along or more, and
-    /// not less than across.
-    Profile(const AxisWalk& along, const AxisWalk& across, double az, double bz) noexcept
-        : along_base_{along.base}, backwards_{along.ahead - 1} {
-        ahead_ = (along.base ^ backwards_) - backwards_;
-        // t = (k − start)/length; cell and height are linear in t.
-        const double length = std::abs(along.d * along.per_metre), per_line = 1 / length;
-        const double start = along.a * along.per_metre * static_cast<double>(along.step);
-        cell_step_ = across.d * across.per_metre * per_line;
+    /// Of a segment whose height goes from az to bz. Precondition: it goes a cell along the major axis or more, and not
+    /// less than along the minor one.
+    SegmentProfile(const AxisWalk& major, const AxisWalk& minor, double az, double bz) noexcept
+        : major_base_{major.base}, mirror_{major.exit_side - 1} {
+        base_along_ = (major.base ^ mirror_) - mirror_;
+        // t = (k − start)/length; the place along the minor axis and the height are linear in t.
+        const double length = std::abs(major.d * major.cells_per_metre), per_line = 1 / length;
+        const double start = major.a * major.cells_per_metre * static_cast<double>(major.step);
+        minor_step_ = minor.d * minor.cells_per_metre * per_line;
         z_step_ = (bz - az) * per_line;
-        // Counted from below all that the segment passes: to round towards zero is to round down, which is one
-        // instruction (a cast of 30 or 300 cells takes 6 to 8 % less time).
+        // Counted from below all cells that the segment passes, so that no number is negative: to round towards zero, which
+        // is one instruction, is then to round down.
         const auto below = static_cast<Index>(length) + 4;
-        across_base_ = across.base - below;
-        cell_ = across.a * across.per_metre - start * cell_step_ + static_cast<double>(below);
+        minor_base_ = minor.base - below;
+        minor_ = minor.a * minor.cells_per_metre - start * minor_step_ + static_cast<double>(below);
         z_ = az - start * z_step_;
-        // Some ulps of the largest numbers that go in; lines k are at most two cells beyond the ends. The rests in
-        // `along` and `across` have the rounding of the number of the cell.
-        cell_blur_ = 32 * epsilon<double> *
-                     (std::abs(static_cast<double>(along.base)) + std::abs(static_cast<double>(across.base)) +
-                      length + 4);
+        // Some ulps of the largest numbers that go in. Lines k are at most two cells beyond the ends. `major.a` and
+        // `minor.a` have the rounding of the number of the cell.
+        minor_bound_ = 32 * epsilon<double> *
+                       (std::abs(static_cast<double>(major.base)) +
+                        std::abs(static_cast<double>(minor.base)) + length + 4);
         // Denormal heights have a rounding of their own size.
-        z_blur_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + cell_blur_ * std::abs(z_step_) +
-                  std::numeric_limits<double>::min();
-        z_low_ = glm::min(az, bz) - z_blur_;
-        z_high_ = glm::max(az, bz) + z_blur_;
+        z_bound_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + minor_bound_ * std::abs(z_step_) +
+                   std::numeric_limits<double>::min();
+        z_lowest_ = glm::min(az, bz) - z_bound_;
+        z_highest_ = glm::max(az, bz) + z_bound_;
     }
 
     /// Whether the numbers of the cells are known well enough to be of use.
-    [[nodiscard]] bool usable() const noexcept { return cell_blur_ < 0.125; }
+    [[nodiscard]] bool usable() const noexcept { return minor_bound_ < 0.125; }
 
-    // ~k = −1 − k, without a branch on the direction, which nobody can foresee.
-    /// The cells along of column k, and back.
-    [[nodiscard]] Index cell_along(Index column) const noexcept {
-        return along_base_ + (column ^ backwards_);
+    // n ^ 0 = n and n ^ −1 = −1 − n: both directions without a branch, which a processor would often predict wrong.
+    /// The number of a slab's cells along the major axis.
+    [[nodiscard]] Index major_cell(Index slab) const noexcept { return major_base_ + (slab ^ mirror_); }
+    [[nodiscard]] Index slab_of(Index major_cell) const noexcept {
+        return (major_cell - major_base_) ^ mirror_;
     }
-    [[nodiscard]] Index column_of(Index cell) const noexcept { return (cell - along_base_) ^ backwards_; }
     /// The number of line k in the grid.
-    [[nodiscard]] Index grid_line(Index k) const noexcept { return cell_along(k) - backwards_; }
-
-    /// From a column to the next, in cells along.
-    [[nodiscard]] Index step() const noexcept { return 1 + 2 * backwards_; }
-
-    /// How many columns of its block lie before a column, if blocks are 2ⁿ columns wide.
-    [[nodiscard]] Index columns_before(Index column, Index width) const noexcept {
-        return (ahead_ + column) & (width - 1);
+    [[nodiscard]] Index grid_line(Index k) const noexcept { return major_cell(k) - mirror_; }
+    /// From a slab to the next, in cells along the major axis: 1 or −1.
+    [[nodiscard]] Index step() const noexcept { return 1 + 2 * mirror_; }
+    /// How many slabs of its block the segment has passed before a slab, if blocks are 2ⁿ cells wide.
+    [[nodiscard]] Index slabs_before(Index slab, Index width) const noexcept {
+        return (base_along_ + slab) & (width - 1);
     }
 
-    [[nodiscard]] Crossing crossing(double line) const noexcept {
-        return {cell_ + line * cell_step_, z_ + line * z_step_};
+    [[nodiscard]] LinePoint on_line(double k) const noexcept {
+        return {minor_ + k * minor_step_, z_ + k * z_step_};
     }
-    [[nodiscard]] Part between(const Crossing& a, const Crossing& b) const noexcept {
-        return {cell(glm::min(a.cell, b.cell) - cell_blur_), cell(glm::max(a.cell, b.cell) + cell_blur_),
-                glm::max(glm::min(a.z, b.z) - z_blur_, z_low_),
-                glm::min(glm::max(a.z, b.z) + z_blur_, z_high_)};
-    }
-    /// Between lines k and m.
-    [[nodiscard]] Part between(Index k, Index m) const noexcept {
-        return between(crossing(static_cast<double>(k)), crossing(static_cast<double>(m)));
+    [[nodiscard]] SlabPart between(const LinePoint& a, const LinePoint& b) const noexcept {
+        return {minor_base_ + static_cast<Index>(glm::min(a.minor, b.minor) - minor_bound_),
+                minor_base_ + static_cast<Index>(glm::max(a.minor, b.minor) + minor_bound_) + 1,
+                glm::max(glm::min(a.z, b.z) - z_bound_, z_lowest_),
+                glm::min(glm::max(a.z, b.z) + z_bound_, z_highest_)};
     }
 
-    /// How many cells there are between lines k ≤ m, where the segment passes no vertex.
-    [[nodiscard]] Index cells(Index k, Index m) const noexcept {
-        return m - k + std::abs(between(m, m).first - between(k, k).first);
+    /// How many cells there are in `count` slabs from slab `begin` on, where the segment passes no vertex.
+    [[nodiscard]] Index cells_in(Index begin, Index count) const noexcept {
+        return count + std::abs(first_cell_on(begin + count) - first_cell_on(begin));
     }
 
 private:
-    [[nodiscard]] Index cell(double number) const noexcept {
-        return across_base_ + static_cast<Index>(number);
+    [[nodiscard]] Index first_cell_on(Index k) const noexcept {
+        const LinePoint point = on_line(static_cast<double>(k));
+        return between(point, point).begin;
     }
 
-    Index along_base_, backwards_, across_base_;
-    Index ahead_; ///< `along_base_`, counted in the direction of the segment
-    double cell_, cell_step_,
-        cell_blur_; ///< across, in cells from `across_base_`: on line 0, per line, how well known
-    double z_, z_step_, z_blur_, z_low_, z_high_; ///< the same of the height, and both ends
+    Index major_base_;
+    Index mirror_;                            ///< −1 if the segment goes down along the major axis, else 0
+    Index minor_base_;                        ///< the cell from which `minor_` is counted
+    Index base_along_;                        ///< `major_base_`, counted in the direction of the segment
+    double minor_, minor_step_, minor_bound_; ///< in cells: on line 0, per line, and a bound of the rounding
+    double z_, z_step_, z_bound_;             ///< in metres: the same of the height
+    double z_lowest_, z_highest_;             ///< bounds of both ends
 };
 
 /// Whether there is a patch over the cell, and all of it is below z.
@@ -119,123 +145,84 @@ template <HeightField Field>
     return widen(patch->p00) < z && widen(patch->p10) < z && widen(patch->p01) < z && widen(patch->p11) < z;
 }
 
-/// The cells of a range across the segment.
-struct AcrossCells {
-    Index first, past;
-    [[nodiscard]] bool contain(const Profile::Part& part) const noexcept {
-        return first <= part.first && part.last < past;
-    }
-};
-template <bool along_x>
-[[nodiscard]] AcrossCells across_cells(const CellRange& cells) noexcept {
-    return along_x ? AcrossCells{cells.first.j, cells.last.j} : AcrossCells{cells.first.i, cells.last.i};
-}
-
-/// Whether all cells of a column that the segment may touch have patches, which lie below it. Column `along` is between
-/// grid lines `along` and `along + 1`. Precondition: there are cells that far along.
-template <bool along_x, HeightField Field>
-[[nodiscard, gnu::always_inline]] inline bool column_lies_below(const Field& field, Index along,
-                                                                const Profile::Part& part) noexcept {
-    const auto cell = [](Index a, Index b) { return along_x ? Cell{a, b} : Cell{b, a}; };
+/// Whether all cells of a slab that the segment may touch have patches, which lie below it. `major` is their number along
+/// the major axis. Precondition: there are cells with that number.
+template <bool x_major, HeightField Field>
+[[nodiscard, gnu::always_inline]] inline bool slab_lies_below(const Field& field, Index major,
+                                                              const SegmentProfile::SlabPart& part) noexcept {
     if constexpr (CorneredHeightField<Field>) {
-        if (part.last - part.first <= 1) {
-            if (!across_cells<along_x>(field.cells()).contain(part)) return false;
-            // Two cells or one: nobody can foresee where. So six corners, two of them twice where there is one.
+        const Index near = part.begin, far = part.end - 1;
+        if (far - near <= 1) {
+            if (!part.is_in(minor_range<x_major>(field.cells()))) return false;
+            // Two cells or one, which is hard to predict. So six corners, two of them twice where there is one.
             // Rounding keeps the order: what is not below z is not below z in T either.
-            const Index past = part.last + 1, next = along + 1;
-            return field.corners_below({cell(along, part.first), cell(next, part.first),
-                                        cell(along, part.last), cell(next, part.last), cell(along, past),
-                                        cell(next, past)},
+            const Index next = major + 1;
+            return field.corners_below({cell_at<x_major>(major, near), cell_at<x_major>(next, near),
+                                        cell_at<x_major>(major, far), cell_at<x_major>(next, far),
+                                        cell_at<x_major>(major, part.end), cell_at<x_major>(next, part.end)},
                                        static_cast<typename Field::Scalar>(part.lowest));
         }
     }
-    for (Index across = part.first; across <= part.last; ++across) {
-        if (!lies_below(field, cell(along, across), part.lowest)) return false;
+    for (Index minor = part.begin; minor < part.end; ++minor) {
+        if (!lies_below(field, cell_at<x_major>(major, minor), part.lowest)) return false;
     }
     return true;
 }
 
-/// Columns of which the segment touches no cell, but passes all of them on one side.
-struct Stretch {
-    Index columns = 0;
+/// Slabs of which the segment touches no cell, but passes all of them on one side.
+struct EmptySlabs {
+    Index count = 0;
     Side side = Side::above;
-    Index looked_at = 0; ///< cells and blocks, about
+    Index looked_at = 0; ///< cells and blocks that this took, about
 };
 
-/// Finds one stretch after the other along a segment.
-template <bool along_x, HeightField Field>
-class Stretches {
+/// Finds empty slabs along a segment, one group after the other.
+template <bool x_major, HeightField Field>
+class EmptySpace {
 public:
-    Stretches(const Field& field, const Profile& profile) noexcept : field_{field}, profile_{profile} {
+    EmptySpace(const Field& field, const SegmentProfile& profile) noexcept
+        : field_{field}, profile_{profile} {
         if constexpr (BoundedHeightField<Field>) {
             levels_ = field.levels();
-            if (levels_ == 0) cells_to_ = std::numeric_limits<Index>::max() / 2; // beyond every column
+            if (levels_ == 0) by_cells_until_ = std::numeric_limits<Index>::max() / 2; // beyond every slab
         }
     }
 
-    /// From column `from` on, of the next `count`. On `side`, if it is known. Looks at `budget` cells at the most, and
-    /// up to three more.
-    [[nodiscard]] Stretch next(Index from, Index count, Index budget, Side side) noexcept {
-        // No column has more than three cells.
+    /// How many slabs are empty from slab `begin` on, of the next `count`. `side` is that of the segment, if it is known.
+    /// Looks at `budget` cells at the most, and up to three more.
+    [[nodiscard]] EmptySlabs find(Index begin, Index count, Index budget, Side side) noexcept {
+        // No slab has more than three cells.
         if (side == Side::below) return {};
-        const Index clear = clear_columns(from, glm::min(count, budget / 3));
-        return {clear, Side::above, clear > 0 ? profile_.cells(from, from + clear) : 0};
+        const Index empty = slabs_below(begin, glm::min(count, budget / 3));
+        return {empty, Side::above, empty > 0 ? profile_.cells_in(begin, empty) : 0};
     }
 
     /// The same for a field with bounds, by blocks: larger ones where there is much room, smaller ones where there is
     /// little, and cells in blocks of the lowest level that may be touched.
-    [[nodiscard]] Stretch next(Index from, Index count, Index budget,
-                               Side side) noexcept requires BoundedHeightField<Field> {
-        Stretch found{0, side, 0};
-        while (found.columns < count && found.looked_at < budget) {
-            const Index here = from + found.columns, left = count - found.columns;
-            if (here < cells_to_) {
-                if (found.side == Side::below) break; // judged exactly until then
-                const Index wanted = glm::min(glm::min(cells_to_ - here, left),
-                                              glm::max<Index>((budget - found.looked_at) / 3, 1));
-                const Index clear = clear_columns(here, wanted);
-                if (clear > 0) {
-                    found.columns += clear;
-                    found.side = Side::above;
-                    found.looked_at += profile_.cells(here, here + clear);
-                }
-                if (clear < wanted) break;
-                continue;
-            }
-            // As far as the next block of the level above.
-            const bool highest = level_ + 1 == levels_;
-            const Index wanted = highest ? left : glm::min(columns_left(level_ + 1, here), left);
-            Index clear = found.side == Side::below
-                              ? clear_blocks<Side::below>(here, wanted, found.looked_at)
-                              : clear_blocks<Side::above>(here, wanted, found.looked_at);
-            if (found.side == Side::none && clear > 0) found.side = Side::above;
-            if (found.side == Side::none) {
-                --found.looked_at; // the same block again
-                clear = clear_blocks<Side::below>(here, wanted, found.looked_at);
-                if (clear > 0) found.side = Side::below;
-            }
-            found.columns += clear;
-            if (clear == wanted) {
-                if (!highest) ++level_;
-            } else if (level_ > 0) {
-                --level_;
-            } else {
-                cells_to_ = here + clear + columns_left(0, here + clear);
+    [[nodiscard]] EmptySlabs find(Index begin, Index count, Index budget,
+                                  Side side) noexcept requires BoundedHeightField<Field> {
+        EmptySlabs found{0, side, 0};
+        while (found.count < count && found.looked_at < budget) {
+            const Index slab = begin + found.count, left = count - found.count;
+            if (slab >= by_cells_until_) {
+                add_by_blocks(found, slab, left);
+            } else if (!add_by_cells(found, slab, left, budget - found.looked_at)) {
+                break;
             }
         }
         return found;
     }
 
 private:
-    /// Of `count` columns from column `from` on, how many the segment passes over: every cell of them that it may touch
-    /// has a patch that lies below it.
-    [[nodiscard]] Index clear_columns(Index from, Index count) const noexcept {
-        double line = static_cast<double>(from);
-        auto here = profile_.crossing(line);
+    /// How many slabs from slab `begin` on, of the next `count`, lie below the segment: every cell of them that it may
+    /// touch has a patch that does.
+    [[nodiscard]] Index slabs_below(Index begin, Index count) const noexcept {
+        double line = static_cast<double>(begin);
+        auto here = profile_.on_line(line);
         for (Index n = 0; n < count; ++n) {
-            const auto there = profile_.crossing(++line);
-            if (!column_lies_below<along_x>(field_, profile_.cell_along(from + n),
-                                            profile_.between(here, there))) {
+            const auto there = profile_.on_line(++line);
+            if (!slab_lies_below<x_major>(field_, profile_.major_cell(begin + n),
+                                          profile_.between(here, there))) {
                 return n;
             }
             here = there;
@@ -243,56 +230,200 @@ private:
         return count;
     }
 
-    /// log₂ of the cells along a side of a block.
-    [[nodiscard]] static constexpr int bits(int level) noexcept { return Field::block_bits + 2 * level; }
-    [[nodiscard]] static constexpr Index side_length(int level) noexcept { return Index{1} << bits(level); }
-    /// From a column to the last one of its block, both counted.
-    [[nodiscard]] Index columns_left(int level, Index column) const noexcept {
-        return side_length(level) - profile_.columns_before(column, side_length(level));
+    /// Adds the empty slabs before `by_cells_until_`, from slab `slab` on and of the next `left`. False if a slab is not
+    /// empty: then the search is over.
+    [[nodiscard, gnu::always_inline]] bool add_by_cells(EmptySlabs& found, Index slab, Index left,
+                                                        Index budget) const noexcept {
+        if (found.side == Side::below) return false; // cells are compared from above only
+        const Index wanted = glm::min(glm::min(by_cells_until_ - slab, left), glm::max<Index>(budget / 3, 1));
+        const Index empty = slabs_below(slab, wanted);
+        if (empty > 0) {
+            found.count += empty;
+            found.side = Side::above;
+            found.looked_at += profile_.cells_in(slab, empty);
+        }
+        return empty == wanted;
     }
-    /// Of `count` columns from column `from` on, how many the segment passes on one side of all blocks of the level that it
-    /// may touch over them. Counts the blocks that it looks at.
+
+    /// Adds the empty slabs as far as the next block of the level above, from slab `slab` on and of the next `left`. Goes
+    /// one level up where all are empty, else one level down; from the lowest one to cells.
+    [[gnu::always_inline]] void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
+        const bool highest = level_ + 1 == levels_;
+        const Index wanted = highest ? left : glm::min(slabs_left(level_ + 1, slab), left);
+        const Index empty = empty_slabs(found, slab, wanted);
+        found.count += empty;
+        if (empty == wanted) {
+            if (!highest) ++level_;
+        } else if (level_ > 0) {
+            --level_;
+        } else {
+            by_cells_until_ = slab + empty + slabs_left(0, slab + empty);
+        }
+    }
+
+    /// `slabs_beside_blocks` on the side of what has been found; where that is not known yet, on either side.
+    [[nodiscard, gnu::always_inline]] Index empty_slabs(EmptySlabs& found, Index slab,
+                                                        Index wanted) const noexcept {
+        Index empty = found.side == Side::below
+                          ? slabs_beside_blocks<Side::below>(slab, wanted, found.looked_at)
+                          : slabs_beside_blocks<Side::above>(slab, wanted, found.looked_at);
+        if (found.side != Side::none) return empty;
+        if (empty > 0) {
+            found.side = Side::above;
+            return empty;
+        }
+        --found.looked_at; // the same block again
+        empty = slabs_beside_blocks<Side::below>(slab, wanted, found.looked_at);
+        if (empty > 0) found.side = Side::below;
+        return empty;
+    }
+
+    /// How many slabs from slab `begin` on, of the next `count`, the segment passes on this side of all blocks of the level
+    /// that it may touch over them. Adds the blocks that it looks at to `looked_at`.
     template <Side side>
-    [[nodiscard]] Index clear_blocks(Index from, Index count, Index& looked_at) const noexcept {
-        const int shift = bits(level_);
-        const AcrossCells cells = across_cells<along_x>(field_.cells());
-        Index clear = 0, width = glm::min(columns_left(level_, from), count);
-        Index along = profile_.cell_along(from) >> shift;
-        auto here = profile_.crossing(static_cast<double>(from));
+    [[nodiscard]] Index slabs_beside_blocks(Index begin, Index count, Index& looked_at) const noexcept {
+        const int shift = block_bits(level_);
+        const IndexRange cells = minor_range<x_major>(field_.cells());
+        Index passed = 0, width = glm::min(slabs_left(level_, begin), count);
+        Index major = profile_.major_cell(begin) >> shift;
+        auto here = profile_.on_line(static_cast<double>(begin));
+        // Ends at a block that is not passed, or behind the last slab.
         for (;;) {
-            const auto there = profile_.crossing(static_cast<double>(from + clear + width));
-            const Profile::Part part = profile_.between(here, there);
+            const auto there = profile_.on_line(static_cast<double>(begin + passed + width));
+            const SegmentProfile::SlabPart part = profile_.between(here, there);
             ++looked_at;
-            if (!cells.contain(part)) return clear;
-            // As wide as they are long, they are one or two, which nobody can foresee; three where the segment goes through a
-            // vertex.
-            const Index first = part.first >> shift, last = part.last >> shift;
-            auto range = block_range(along, first, last);
-            if (last - first > 1) [[unlikely]] {
-                const auto between = block_range(along, first + 1, first + 1);
-                range = {glm::min(range.lowest, between.lowest), glm::max(range.highest, between.highest)};
-            }
-            const bool passed =
-                side == Side::above ? widen(range.highest) < part.lowest : part.highest < widen(range.lowest);
-            if (!passed) return clear;
-            clear += width;
-            if (clear == count) return clear;
-            width = glm::min(side_length(level_), count - clear);
-            along += profile_.step();
+            if (!part.is_in(cells)) return passed;
+            const auto heights = heights_of_blocks(major, part.begin >> shift, (part.end - 1) >> shift);
+            const bool passes = side == Side::above ? widen(heights.highest) < part.lowest
+                                                    : part.highest < widen(heights.lowest);
+            if (!passes) return passed;
+            passed += width;
+            if (passed == count) return passed;
+            width = glm::min(block_side(level_), count - passed);
+            major += profile_.step();
             here = there;
         }
     }
-    [[nodiscard]] auto block_range(Index along, Index one, Index other) const noexcept {
-        return along_x ? field_.block_range(level_, {along, one}, {along, other})
-                       : field_.block_range(level_, {one, along}, {other, along});
+
+    /// The heights of the blocks from `minor` to `last` of a slab of blocks. As blocks are as wide as they are long, these
+    /// are one or two, which is hard to predict; three where the segment goes through a vertex.
+    [[nodiscard, gnu::always_inline]] auto heights_of_blocks(Index major, Index minor,
+                                                             Index last) const noexcept {
+        auto heights = heights_of_pair(major, minor, last);
+        if (last - minor > 1) [[unlikely]] {
+            const auto middle = heights_of_pair(major, minor + 1, minor + 1);
+            heights = {glm::min(heights.lowest, middle.lowest), glm::max(heights.highest, middle.highest)};
+        }
+        return heights;
+    }
+    [[nodiscard, gnu::always_inline]] auto heights_of_pair(Index major, Index one,
+                                                           Index other) const noexcept {
+        return field_.block_range(level_, cell_at<x_major>(major, one), cell_at<x_major>(major, other));
+    }
+
+    /// log₂ of the cells along a side of a block.
+    [[nodiscard]] static constexpr int block_bits(int level) noexcept {
+        return Field::block_bits + 2 * level;
+    }
+    [[nodiscard]] static constexpr Index block_side(int level) noexcept {
+        return Index{1} << block_bits(level);
+    }
+    /// How many slabs of its block are left, from a slab on.
+    [[nodiscard]] Index slabs_left(int level, Index slab) const noexcept {
+        return block_side(level) - profile_.slabs_before(slab, block_side(level));
     }
 
     const Field& field_;
-    const Profile& profile_;
+    const SegmentProfile& profile_;
     int level_ = 0, levels_ = 0;
-    Index cells_to_ =
-        std::numeric_limits<Index>::min(); ///< columns before this one are looked at cell by cell
+    /// Slabs before this one are looked at cell by cell.
+    Index by_cells_until_ = std::numeric_limits<Index>::min();
 };
+
+/// Visits the cells under a segment that goes a cell along its major axis or more, but for those in empty slabs. What is
+/// visited and what is passed over is in the order of the segment, from a on.
+///
+/// `test` is the visitor, and says what may be passed over: `may_skip()`, `cells_left()` that it may still look at, and
+/// `side_at(t)` of what begins at t. It is told of what was: `count(cells)` looked at, and `pass(t, side)` for everything
+/// up to t, on one side of the surface. `az` and `bz` are the heights of the segment's ends.
+template <bool x_major, HeightField Field, class Test>
+void walk_with_skipping(const Field& field, const CellRange& range, CellWalk& walk, double az, double bz,
+                        Test& test) noexcept {
+    if (!walk.enter(range)) return;
+    AxisWalk &major = x_major ? walk.x : walk.y, &minor = x_major ? walk.y : walk.x;
+    const SegmentProfile profile{major, minor, az, bz};
+    const IndexRange majors = major_range<x_major>(range), minors = minor_range<x_major>(range);
+    // Where the segment ends, and where it ends or leaves the range.
+    const Index goal_end = profile.slab_of(major.goal_cell) + 1;
+    const Index end = profile.slab_of(glm::clamp(major.goal_cell, majors.begin, majors.end - 1)) + 1;
+    const auto cells_of_slabs = [&](Index slab, Index slab_end) {
+        const Index a = profile.major_cell(slab), b = profile.major_cell(slab_end - 1);
+        return CellRange{cell_at<x_major>(glm::min(a, b), minors.begin),
+                         cell_at<x_major>(glm::max(a, b) + 1, minors.end)};
+    };
+    EmptySpace<x_major, Field> empty_space{field, profile};
+    // Behind a slab that is not empty the next ones mostly are not either. So slabs are traversed in batches before empty
+    // ones are looked for again, and each batch is twice as long until some are found.
+    constexpr Index first_batch = 3;
+    for (Index batch = first_batch;; batch *= 2) {
+        Index slab = profile.slab_of(major.cell);
+        if (profile.usable() && test.may_skip() && majors.contains(major.cell)) {
+            const EmptySlabs empty =
+                empty_space.find(slab, end - slab, test.cells_left(), test.side_at(walk.t));
+            test.count(empty.looked_at);
+            if (empty.count > 0) {
+                slab += empty.count;
+                const double t = slab == goal_end ? 1 : major.line_time(profile.grid_line(slab));
+                test.pass(t, empty.side);
+                if (slab == end) return;
+                major.enter(profile.major_cell(slab));
+                minor.skip_to(t, minors.begin, minors.end);
+                walk.go_on_at(t);
+                batch = first_batch;
+            }
+        }
+        if (!walk.visit(range, cells_of_slabs(slab, glm::min(slab + batch, end)), test)) return;
+    }
+}
+
+/// How long the segment is along x and along y, in cells.
+[[nodiscard]] inline glm::dvec2 length_in_cells(const Lattice& lattice, const glm::dvec3& a,
+                                                const glm::dvec3& b) noexcept {
+    const glm::dvec2 per_metre = lattice.cells_per_metre();
+    return {std::abs((b.x - a.x) * per_metre.x), std::abs((b.y - a.y) * per_metre.y)};
+}
+
+/// How many cells there are around a short segment, if they are no more than two by two, each has a patch and all of these
+/// lie below the segment; else 0. Nearly every update of a stylus in free flight ends here. It needs no exact numbers of
+/// cells: these are widened by more than the rounding of the exact traversal.
+template <HeightField Field>
+[[nodiscard, gnu::always_inline]] inline Index
+cells_below_short_segment(const Field& field, const glm::dvec3& a, const glm::dvec3& b) noexcept {
+    const Lattice& lattice = field.lattice();
+    const glm::dvec2 origin = lattice.origin(), per_metre = lattice.cells_per_metre();
+    const double ax = (a.x - origin.x) * per_metre.x, ay = (a.y - origin.y) * per_metre.y,
+                 bx = (b.x - origin.x) * per_metre.x, by = (b.y - origin.y) * per_metre.y;
+    const double bound_x = 8 * epsilon<double> * (std::abs(ax) + std::abs(bx)),
+                 bound_y = 8 * epsilon<double> * (std::abs(ay) + std::abs(by));
+    const auto cell = [](double x, double y) {
+        return Cell{static_cast<Index>(std::floor(x)), static_cast<Index>(std::floor(y))};
+    };
+    const Cell low = cell(glm::min(ax, bx) - bound_x, glm::min(ay, by) - bound_y),
+               high = cell(glm::max(ax, bx) + bound_x, glm::max(ay, by) + bound_y);
+    const Index columns = 1 + high.i - low.i, rows = 1 + high.j - low.j;
+    if (columns > 2 || rows > 2) return 0;
+    // Clear of rounding in the exact traversal, which is a few ulps; and rounding to T keeps the order.
+    const auto lowest = static_cast<typename Field::Scalar>(
+        glm::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z)));
+    const auto below = [lowest](const auto& patch) { return patch && patch->highest() < lowest; };
+    // One cell or two, which is hard to predict. To look at one cell twice costs less than a wrong prediction.
+    if (!below(field.patch(low)) || !below(field.patch(high))) return 0;
+    if (columns + rows == 4 &&
+        !(below(field.patch({high.i, low.j})) && below(field.patch({low.i, high.j})))) {
+        return 0;
+    }
+    return columns * rows;
+}
 
 } // namespace hfh::detail
 

@@ -1,6 +1,7 @@
 // Makes the fake a library that moves by itself: between start and stop a thread ticks a thousand times a second, and a
 // hand presses into the ground and comes up again. HFH_TEST_EVENT in the environment has something happen while it
-// presses: INT or TERM, a signal; LOSE, the connection breaks, once. Tells what force there is then, and what the last
+// presses: INT or TERM, a signal; LOSE, the connection breaks, once, and the
+// scheduler does not start the next time. Tells what force there is then, and what the last
 // update left.
 
 #include "../fake_hd.hpp"
@@ -20,7 +21,7 @@ namespace hfh::test {
 namespace {
 
 std::thread servo;
-std::atomic<bool> on{false};
+std::atomic<bool> on{false}, is_lost{false};
 
 constexpr int event_at = 600; // ticks
 
@@ -28,7 +29,10 @@ double length(const std::vector<double>& f) { return f.empty() ? 0 : std::hypot(
 
 void before_tick(int n, std::string_view event) {
     fake_hd().position[1] = 10 + 40 * std::cos(n * 1e-3 * 6.28);
-    if (n == event_at && event == "LOSE") fake_hd().errors.push_back(HD_COMM_ERROR);
+    if (n == event_at && event == "LOSE") {
+        fake_hd().errors.push_back(HD_COMM_ERROR);
+        is_lost = true;
+    }
     if (n == event_at && (event == "INT" || event == "TERM")) {
         std::printf("\nsignal at %.2f N\n", length(fake_hd().force));
         std::raise(event == "INT" ? SIGINT : SIGTERM);
@@ -57,6 +61,7 @@ void stop_hand();
 void stop_hand() {
     on = false;
     if (servo.joinable()) servo.join();
+    fake_hd().start_error = is_lost.exchange(false) ? unsigned{HD_TIMER_ERROR} : 0u;
     std::printf("\nleft at %.2f N\n", length(fake_hd().left));
     for (const auto& breach : fake_hd().breaches) std::printf("\nbreach: %s\n", breach.c_str());
 }
