@@ -70,6 +70,16 @@ WideSurfacePoint closest_patch_search(const Surface<T>& surface, Index i, Index 
     }
 }
 
+/// The same to the bit; under -ffast-math, where a reciprocal root is an estimate and a correction, but for two roundings.
+template <Real T>
+bool is_direction(const vec3<T>& normal, const vec3<T>& wanted) {
+#ifdef __FAST_MATH__
+    return length(normal - wanted) <= 2 * epsilon<T>;
+#else
+    return normal == wanted;
+#endif
+}
+
 /// No more than a few microseconds an update.
 constexpr TrackerOptions brisk{.max_contact_patches = 8};
 
@@ -549,7 +559,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: ground raised over a free stylus is felt at on
         const auto c = witness.update(moving ? still + vec3<T>{T(0.125), T(0.25), T(0.125)} : still);
         CHECK(c.status == ContactStatus::contact);
         CHECK(c.depth == (moving ? T(1.375) : T(1.5)));
-        CHECK(c.normal == vec3<T>{0, 0, 1});
+        CHECK(is_direction(c.normal, {0, 0, 1}));
     }
     CHECK(witness.first_fault == "");
 }
@@ -663,7 +673,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: through a hole in a sheet it comes to the othe
     CHECK(pushed.status == ContactStatus::contact);
     CHECK(pushed.side == Side::below);
     CHECK(pushed.penetration == vec3<T>{0, 0, T(-0.5)});
-    CHECK(pushed.normal == vec3<T>{0, 0, -1});
+    CHECK(is_direction(pushed.normal, {0, 0, -1}));
     CHECK(tracker.update({T(4), T(4), T(-0.5)}).status == ContactStatus::free);
     // In one update through the hole, from above to below.
     tracker.reset();
