@@ -51,6 +51,7 @@ struct FakeHd : FakeDevice {
     std::vector<std::string> in_tick{};  ///< those of the last tick
     std::vector<std::string> breaches{}; ///< of the order that the reference asks for
     std::deque<FakeError> errors{};      ///< a stack: the last one is the next to be told
+    int errors_raised_elsewhere = 0;     ///< by calls outside of a tick
 
     bool init_gives_no_handle = false;
     unsigned init_error = 0, schedule_error = 0, start_error = 0;
