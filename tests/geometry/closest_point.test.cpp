@@ -135,7 +135,8 @@ TEMPLATE_TEST_CASE("DistanceFunction: its derivatives are those of half the squa
         REQUIRE(std::abs(static_cast<Wide>(value.fv) - fv) <= tolerance * s.scale_v + rounding);
         REQUIRE(std::abs(static_cast<Wide>(value.fuu) - fuu) <= tolerance * s.scale_u + rounding);
         REQUIRE(std::abs(static_cast<Wide>(value.fvv) - fvv) <= tolerance * s.scale_v + rounding);
-        REQUIRE(std::abs(static_cast<Wide>(value.fuv) - fuv) <= tolerance * (s.scale_u + s.scale_v) + rounding);
+        REQUIRE(std::abs(static_cast<Wide>(value.fuv) - fuv) <=
+                tolerance * (s.scale_u + s.scale_v) + rounding);
         REQUIRE(std::abs(static_cast<Wide>(value.z) - (p.height(u, v) - q.z)) <=
                 tolerance * static_cast<Wide>(std::max(
                                 std::abs(c.query.z), c.patch.highest() - std::min(c.patch.lowest(), T(0)))));
