@@ -16,15 +16,14 @@ namespace hfh {
 
 struct TrackerOptions {
     SurfaceKind surface = SurfaceKind::solid;
-    /// Work allowed in one update, in patches (about 10-100 ns each); at least 1. A search or a descent that needs more goes
+    /// Work allowed in one update, in patches; at least 1. A search or a descent that needs more goes
     /// on in the next update, from where it came to towards wherever the stylus is then, and the status says so.
     int max_patches = 8192;
     /// Of these, what a proxy may slide over in an update in contact: so many, and two more for each cell that the stylus
     /// moved. A ridge or a hollow can hold a proxy hundreds of cells away from a stylus that goes on below it. When that
-    /// minimum ends, the proxy slides all of that way in one update, which takes up to 0.05 ms and ends in a jump of the
-    /// force. With 8 here it glides there in some updates, and the force with it, and an update up to 5 cells on takes some
-    /// 3 µs at the most; on steep ground a few updates in a hundred then end on the way (`descent_limit`). The search that
-    /// decides whether a stylus with the surface over it is free is no part of the slide: `max_patches` alone limits it.
+    /// minimum ends, the proxy slides all of that way in one update, and the force jumps. With 8 here it glides there in
+    /// some updates, and the force with it; on steep ground some updates then end on the way (`descent_limit`). The search
+    /// that decides whether a stylus with the surface over it is free is no part of the slide: `max_patches` alone limits it.
     int max_contact_patches = 8192;
 };
 
