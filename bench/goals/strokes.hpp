@@ -106,6 +106,17 @@ template <class G>
     return true;
 }
 
+/// Adds how this update ended.
+template <Real T>
+void count(Endings& endings, const Contact<T>& contact) noexcept {
+    endings.updates += 1;
+    endings.contacts += contact.touching() ? 1 : 0;
+    endings.left_at_hole += contact.status == ContactStatus::left_at_hole ? 1 : 0;
+    endings.limits +=
+        contact.status == ContactStatus::descent_limit || contact.status == ContactStatus::sweep_limit ? 1
+                                                                                                       : 0;
+}
+
 /// Looks at every answer from outside; throws a Fault where one is wrong.
 template <Real T, class G>
 Endings check_trace(const G& ground, const Trace<T>& trace, const std::string& what) {
@@ -126,10 +137,8 @@ Endings check_trace(const G& ground, const Trace<T>& trace, const std::string& w
     replay(grid, trace, [&](const Contact<T>& contact) {
         const glm::dvec3 stylus{trace.stylus[k]}, proxy{contact.proxy};
         if (k % trace.run == 0) was_touching = false;
-        endings.updates += 1;
+        count(endings, contact);
         if (contact.touching()) {
-            endings.contacts += 1;
-            endings.limits += contact.status == ContactStatus::descent_limit ? 1 : 0;
             const double surface = ground.surface(proxy.x, proxy.y);
             check(!(std::abs(proxy.z - surface) > tolerance), "proxy off the surface"); // NaN: at a rim
             const double distance = glm::length(proxy - stylus);
@@ -143,8 +152,6 @@ Endings check_trace(const G& ground, const Trace<T>& trace, const std::string& w
                     check(is_local_minimum(ground, contact, stylus), "not a local closest point");
             }
         } else {
-            endings.left_at_hole += contact.status == ContactStatus::left_at_hole ? 1 : 0;
-            endings.limits += contact.status == ContactStatus::sweep_limit ? 1 : 0;
             const bool below = stylus.z < ground.surface(stylus.x, stylus.y) - tolerance;
             check(contact.status != ContactStatus::free || !below, "free below the surface");
             endings.dropped += was_touching && below && contact.status != ContactStatus::left_at_hole ? 1 : 0;
