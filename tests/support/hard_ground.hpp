@@ -3,10 +3,8 @@
 
 #include "terrains.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 // Grounds on which limited work and roundings went wrong, or might: small, and no two alike.
 
@@ -47,20 +45,6 @@ template <Real T>
         std::nextafter(limit, T(0)),
         std::numeric_limits<T>::quiet_NaN()};
     return values[static_cast<std::size_t>(random.whole(0, static_cast<std::int64_t>(values.size()) - 1))];
-}
-
-/// Whether T tells apart the places at which a proxy may rest. Along a cliff of more than 2·10⁵ cells, in float of 10⁴, a
-/// stylus and the ground beside the cliff differ by less than the roundings of its height, and two ways may end at two rests.
-template <Real T>
-[[nodiscard]] bool rests_are_resolved(const Terrain<T>& terrain) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const T height : terrain.heights) {
-        if (!(std::abs(height) < no_height_from<T>)) continue;
-        low = std::min(low, static_cast<double>(height));
-        high = std::max(high, static_cast<double>(height));
-    }
-    return high - low <=
-           (sizeof(T) == 4 ? 1e4 : 2e5) * std::min(terrain.frame.spacing.x, terrain.frame.spacing.y);
 }
 
 /// low·(high/low)ˢ, s in [0, 1)

@@ -31,7 +31,7 @@ inline const Wide no_square = std::sqrt(static_cast<Wide>(std::numeric_limits<T>
 /// Gets there: at rest, contact or freedom after 64 + 4·n/w updates and no change by one ulp from then on, with little
 /// work; w = min(max_patches, max_contact_patches), n = cells between the proxy and the stylus plus the patches that unlimited work
 /// looks at on the same way. At the rim and over a hole, where a rounding decides, the status may change once more.
-/// Nothing out of nothing: no force where unlimited work, once at rest, gives none, on ground whose rests T resolves.
+/// Nothing out of nothing: no force where unlimited work, once at rest, gives none.
 template <Real T>
 class LimitedWork {
 public:
@@ -218,9 +218,7 @@ private:
     /// On its way too: but not off the rim of a hole, and for a stylus on the surface but for roundings both are right. A
     /// face holds a stylus that is inside of it as long as the proxy slides over it.
     void check_force(const Contact<T>& c, const Unlimited& unlimited) {
-        if (!judges_rest || !rests_are_resolved(*terrain_) || unlimited.contact.depth > 0 ||
-            is_on_its_way(unlimited.contact))
-            return;
+        if (!judges_rest || unlimited.contact.depth > 0 || is_on_its_way(unlimited.contact)) return;
         const Wide over = surface_above(stylus_), unseen = std::isnan(over) ? Wide(0) : roundings(stylus_);
         const bool held = dot(wide(c.penetration), wide(c.normal)) > 0;
         if (is_on_its_way(c) && (holes_ || held || std::abs(over) <= unseen)) return;
