@@ -201,7 +201,7 @@ private:
         const long double fades = 6 * most, gone = passed > 0 ? passed : 0.0L;
         scatter_ = gone < fades ? scatter_ * (fades - gone) / fades : 0.0L;
         moved_ = distance(now.position, last.position);
-        if (now.position != last.position && jumped(stale)) causes |= bit(GuardTrip::jump);
+        if (now.position != last.position && jumped(stale, gone)) causes |= bit(GuardTrip::jump);
         waited_ = now.position == last.position;
         const bool still = limits_.max_still > 0 && latest_ - changed_at_ > wide(limits_.max_still);
         if (repeats_ > limits_.max_repeats || still) causes |= bit(GuardTrip::repeated);
@@ -209,15 +209,17 @@ private:
     }
 
     /// The place has changed by moved_: whether that is a jump. Learns the interval in which places change.
-    [[nodiscard]] bool jumped(bool stale) {
-        const long double since = std::min(latest_ - changed_at_, wide(limits_.max_gap));
+    [[nodiscard]] bool jumped(bool stale, long double passed) {
+        const long double most = wide(limits_.max_gap), unchanged = latest_ - changed_at_;
+        const bool rested = waited_ && unchanged > most;
+        const long double since = std::min(rested ? passed : unchanged, most);
         const long double seconds = std::min(std::max(since, mean_) + scatter_, reserve_);
         const bool jump = moved_ > 1e-150L && // its square may underflow
                           moved_ > wide(limits_.max_step) + wide(limits_.max_speed) * seconds;
-        const bool slow = waited_ && moved_ <= wide(limits_.max_step);
+        const bool slow = waited_ && (rested || moved_ <= wide(limits_.max_step));
         if (!jump && !stale && !slow) {
             const long double off = since > mean_ ? since - mean_ : mean_ - since;
-            if (off > scatter_) scatter_ = off;
+            if (2 * off > scatter_) scatter_ = 2 * off;
             mean_ = (15 * mean_ + since) / 16;
         }
         const long double took = moved_ / wide(limits_.max_speed);
