@@ -14,6 +14,7 @@ struct CheckedSample {
     bool stale = false, repeated = false, jump = false;
     double passed = 0; ///< s since the latest sample before; 0 if its time is not later
     double moved = 0;  ///< m since the sample before
+    double rested = 0; ///< s for which the place has been the same, to the bit
 };
 
 /// Checks samples one after the other: `stale`, `repeated`, `jump` as in `GuardTrip`.
@@ -98,7 +99,8 @@ public:
         } else {
             waited_ = true;
         }
-        const bool still = limits.max_still > 0 && time_ - changed_at_ > limits.max_still;
+        told.rested = time_ - changed_at_;
+        const bool still = limits.max_still > 0 && told.rested > limits.max_still;
         told.repeated = repeats_ > limits.max_repeats || still;
         return told;
     }
