@@ -300,6 +300,9 @@ public:
             update.sample.position[static_cast<int>(random_.whole(0, 2))] = nasty(random_);
         if (random_.one_in(4 * calm_)) update.sample.time = nasty(random_);
         if (is_number(update.sample.time) && update.sample.time > 1e6) update.sample.time = time_;
+        // Where denormals are flushed to zero a guard sees no time between them and zero; the judge's long double does.
+        if (std::bit_cast<std::uint64_t>(update.sample.time) == std::bit_cast<std::uint64_t>(make_denormal()))
+            update.sample.time = 0;
         update.buried = random_.one_in(2 * calm_);
         update.sample.force_refused = random_.one_in(2 * calm_);
         update.rearmed = random_.one_in(calm_);
