@@ -472,7 +472,10 @@ bool ProxyTracker<Field>::has_surface_over(const vec3<Scalar>& stylus) const noe
 template <HeightField Field>
 bool ProxyTracker<Field>::is_as_far_as_released(const DescentResult<Scalar>& found) const noexcept {
     if (found.status == DescentStatus::off_hole) return false; // edited away
-    const Scalar rounding = rounding_bound(found);
+    // A stylus on the surface is as far from it as u and v are rounded.
+    const glm::dvec2 spacing = field_->lattice().spacing();
+    const Scalar rounding =
+        rounding_bound(found) + 8 * epsilon<Scalar> * static_cast<Scalar>(spacing.x + spacing.y);
     const auto nearer = [rounding](Scalar one, Scalar other) {
         return one < other - rounding * (2 * std::sqrt(other) + rounding);
     };
