@@ -244,6 +244,49 @@ TEMPLATE_TEST_CASE(
     }
 }
 
+TEST_CASE("proxy_tracker: a search that is cut short remembers that it was leaving the released face",
+          "[proxy_tracker][limited][regression]") {
+    // It began again on that face, took it for what lies beyond, and came to a force where unlimited work comes to none.
+    struct Case {
+        SurfaceKind surface;
+        int max_contact_patches;
+        std::array<float, 16> samples;
+        std::vector<vec3<float>> way;
+    };
+    const std::array<Case, 3> cases{
+        Case{SurfaceKind::sheet,
+             2,
+             {0, 0, -2048, 0, 0, 0, 0, 0, 0, 0, 8192, 0, 0, 256, 0, 0},
+             {{1.734375F, 1.703125F, 9000}, {0.3125F, 2.59375F, 34.125F}, {1.859375F, 0.578125F, 37.75F}}},
+        Case{SurfaceKind::solid,
+             1,
+             {0, 64, 0, 0, 0, -256, 0, 0, 0, 4096, 0, 0, -4096, 0, 0, 0},
+             {{0.09375F, 0.453125F, 9000},
+              {1.203125F, 1.046875F, -41},
+              {2.96875F, 0.328125F, 18.75F},
+              {0.734375F, 2.8125F, -15.375F}}},
+        Case{SurfaceKind::solid,
+             2,
+             {0, 0, 0, 0, 0, 0, 2048, 0, 0, -1024, 0, 0, 0, 0, -128, 0},
+             {{2.453125F, 1.703125F, 9000},
+              {0.421875F, 0.71875F, 20.125F},
+              {1.828125F, 0.71875F, -35.25F},
+              {2.28125F, 2.3125F, -8.25F}}}};
+    for (const auto& [surface, limit, samples, way] : cases) {
+        CAPTURE(surface, limit);
+        const HeightView view{samples.data(), 4, 4};
+        const BilinearGrid<float, HeightView<float>> grid{view, {.spacing = {1, 1}}};
+        ProxyTracker unlimited{grid, {.surface = surface}};
+        ProxyTracker limited{grid, {.surface = surface, .max_contact_patches = limit}};
+        Contact<float> free, held;
+        for (const auto& stylus : way) {
+            for (int n = 0; n < 200; ++n) free = unlimited.update(stylus), held = limited.update(stylus);
+        }
+        CHECK(held.status == free.status);
+        CHECK(held.depth == Approx(free.depth));
+    }
+}
+
 TEMPLATE_TEST_CASE("proxy_tracker: beside a cliff level ground is level", "[proxy_tracker][regression]",
                    float, double) {
     // The cliff's bounds of rounding held the proxy on the grid line, though the level patch leads on. On level ground a

@@ -54,8 +54,11 @@ struct TrackerState {
     TrackerPhase phase = TrackerPhase::unseen;
     bool past_release =
         false; ///< sliding and searching: a minimum that did not hold this stylus has been released
-    /// Sliding, if `past_release`: the way from that minimum to the stylus goes in at once.
+    /// Sliding, if `past_release`: the segment from that minimum to the stylus crosses the surface within rounding of its
+    /// start.
     bool enters_at_once = false;
+    /// Releasing and searching: the search has not got off the surface at the released minimum yet.
+    bool leaving = false;
 
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
@@ -142,6 +145,8 @@ private:
     /// where it ended if it was cut short.
     [[nodiscard, gnu::noinline]] FirstHit<Scalar> search_beyond(const vec3<Scalar>& stylus, int max_cells,
                                                                 Work& work) noexcept;
+    /// Within how many metres of the surface a search from a released minimum lies on it, until it has got off; < 0: it has.
+    [[nodiscard]] double leaves_within(const vec3<Scalar>& stylus) const noexcept;
     /// `found` does not hold the stylus: the way from there is searched from now on.
     void release(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) noexcept;
     /// The proxy is on the face that was hit.
@@ -226,12 +231,15 @@ template <HeightField Field>
 auto ProxyTracker<Field>::search(const vec3<Scalar>& stylus) noexcept -> Contact<Scalar> {
     const glm::dvec3 from = state_.swept_to, to = widen(stylus);
     const bool went_on = state_.phase == Phase::searching;
-    const auto hit = cast(from, to, {.side = state_.side}, work_allowed());
+    state_.leaving = went_on && state_.leaving;
+    const auto hit =
+        cast(from, to, {.side = state_.side, .leaves_within = leaves_within(stylus)}, work_allowed());
     const int patches = static_cast<int>(hit.cells);
     if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
     if (hit.status == HitStatus::cell_limit) {
         state_.past_release = went_on && state_.past_release;
         state_.swept_to = point_on_segment(from, to, hit.t);
+        state_.leaving = hit.leaving;
         return keep_searching(hit.side, stylus, patches);
     }
     const bool past_release = went_on && state_.past_release && is_as_far_as_released(look_at_proxy(stylus));
@@ -320,14 +328,16 @@ auto ProxyTracker<Field>::settle(const vec3<Scalar>& stylus, DescentResult<Scala
         release(stylus, found);
         work.past_release = true;
         auto hit = search_beyond(stylus, slide_allowed(work), work);
+        // Then it has gone a sixteenth of a cell at least.
+        const bool cut_short = hit.status == HitStatus::cell_limit;
         // A stylus that has the surface over it is not free: it is searched for with all that is allowed.
-        if (hit.status == HitStatus::cell_limit && work.patches < work_allowed() && has_surface_over(stylus))
+        if (cut_short && work.patches < work_allowed() && has_surface_over(stylus))
             hit = search_beyond(stylus, work_allowed() - work.patches, work);
         if (hit.status != HitStatus::hit) return end_release(stylus, hit, found, work.patches);
 
         enter_face(hit, Phase::sliding);
         state_.enters_at_once =
-            hit.t * std::sqrt(widen(state_.released_squared)) <= widen(rounding_bound(found));
+            !cut_short && hit.t * std::sqrt(widen(state_.released_squared)) <= widen(rounding_bound(found));
         progress = {};
         found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
     }
@@ -342,9 +352,8 @@ auto ProxyTracker<Field>::cast(const glm::dvec3& from, const glm::dvec3& to, Fir
 }
 
 template <HeightField Field>
-auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cells, Work& work) noexcept
-    -> FirstHit<Scalar> {
-    const glm::dvec3 from = state_.swept_to, to = widen(stylus);
+double ProxyTracker<Field>::leaves_within(const vec3<Scalar>& stylus) const noexcept {
+    if (!state_.leaving) return -1;
     // The segment begins on the surface, as far as the proxy is on it.
     Scalar off_surface = 0;
     if (const auto patch = field_->patch(state_.proxy.cell)) {
@@ -354,13 +363,20 @@ auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cell
                                   DistanceFunction<Scalar>{*patch, seen}.gap(at.u, at.v)};
         off_surface = rounding_bound(offset, *patch);
     }
-    const double leaves_within = widen(off_surface) + 8 * epsilon<double> * std::abs(to.z);
-    const auto hit =
-        cast(from, to, {.side = state_.search_side, .leaves_within = leaves_within}, glm::max(1, max_cells));
+    return widen(off_surface) + 8 * epsilon<double> * std::abs(widen(stylus.z));
+}
+
+template <HeightField Field>
+auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cells, Work& work) noexcept
+    -> FirstHit<Scalar> {
+    const glm::dvec3 from = state_.swept_to, to = widen(stylus);
+    const auto hit = cast(from, to, {.side = state_.search_side, .leaves_within = leaves_within(stylus)},
+                          glm::max(1, max_cells));
     work.patches += static_cast<int>(hit.cells);
     if (hit.status == HitStatus::cell_limit) {
         state_.swept_to = point_on_segment(from, to, hit.t);
         state_.search_side = hit.side;
+        state_.leaving = hit.leaving;
     }
     return hit;
 }
@@ -372,6 +388,7 @@ void ProxyTracker<Field>::release(const vec3<Scalar>& stylus, const DescentResul
     state_.search_side = state_.side;
     state_.released_squared = glm::dot(found.offset, found.offset);
     state_.past_release = true;
+    state_.leaving = true;
 }
 
 template <HeightField Field>
