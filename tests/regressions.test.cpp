@@ -287,6 +287,32 @@ TEST_CASE("proxy_tracker: a search that is cut short remembers that it was leavi
     }
 }
 
+TEMPLATE_TEST_CASE(
+    "proxy_tracker: a stylus that rests on the surface itself comes to an end with max_patches 1",
+    "[proxy_tracker][limited][regression]", float, double) {
+    // Where products are fused with sums it was released and caught again for ever: distances that are roundings of u and v
+    // were told apart.
+    using T = TestType;
+    const auto made = terrain<T>(14, 25, [](Index i, Index j) { return (i + j) % 2 == 0 ? 0.0 : 3.23e-5; },
+                                 {.spacing = {0.00365, 0.0045}});
+    const auto grid = made.grid();
+    Random random{151};
+    int unsettled = 0;
+    for (int n = 0; n < 4000; ++n) {
+        ProxyTracker tracker{grid, {.max_patches = 1, .max_contact_patches = 26}};
+        const Cell cell{random.whole(2, 10), random.whole(2, 20)};
+        const T u = static_cast<T>(random.unit()), v = static_cast<T>(random.unit());
+        const vec3<T> on{(static_cast<T>(cell.i) + u) * T(0.00365), (static_cast<T>(cell.j) + v) * T(0.0045),
+                         grid.patch(cell)->height(u, v)};
+        (void)tracker.update({on.x, on.y, T(1e-3)});
+        (void)tracker.update({on.x, on.y, T(-1e-5)});
+        Contact<T> rest;
+        for (int k = 0; k < 100; ++k) rest = tracker.update(on);
+        unsettled += rest.status == ContactStatus::descent_limit || rest.status == ContactStatus::sweep_limit;
+    }
+    CHECK(unsettled == 0);
+}
+
 TEMPLATE_TEST_CASE("proxy_tracker: beside a cliff level ground is level", "[proxy_tracker][regression]",
                    float, double) {
     // The cliff's bounds of rounding held the proxy on the grid line, though the level patch leads on. On level ground a
