@@ -181,7 +181,7 @@ private:
         const bool off = sign * over.f_in > options.leaves_within;
         if (!off) {
             over.f_in = 0;
-            const double rise = over.f_out - over.bend(); // f'(0) from f₀ = 0
+            const double rise = over.f_out - over.quadratic(); // f'(0) from f₀ = 0
             if (sign * rise <= options.leaves_within) {
                 leaving = sign * over.f_out <= options.leaves_within;
                 under = sign * over.f_out < 0;
