@@ -313,6 +313,27 @@ TEMPLATE_TEST_CASE(
     CHECK(unsettled == 0);
 }
 
+TEST_CASE("proxy_tracker: drawn away from a steep ridge there is no force", "[proxy_tracker][regression]") {
+    // The segment from the released minimum on the ridge began an ulp of its x on the other side, where the ridge is so steep
+    // that this counted as outside, and came in again on the ridge: in contact for good, and pulled.
+    const double dx = 0.0022107679347780824, dy = 0.013706174951271039;
+    auto made = plane<double>(17, 17, 0, {{-1.1807494885709968, 11.285513818940505}, {dx, dy}});
+    made.at(0, 13) = 0.021865410915206194, made.at(0, 14) = -0.10229496262569766;
+    made.at(1, 13) = -0.063950355686006252, made.at(1, 14) = 0.11290256132083265;
+    made.at(2, 13) = 0.02429600176034372, made.at(2, 14) = -0.047416898104964383;
+    const auto grid = made.grid();
+    ProxyTracker tracker{grid};
+    tracker.restore({.swept_to = {-1.1785, 11.473, 0.05},
+                     .proxy = {{1, 13}, 0.01, 0.7},
+                     .side = Side::above,
+                     .phase = TrackerPhase::contact});
+    for (int k = 0; k < 3; ++k) {
+        const auto away = tracker.update({-1.0945295391146521, 11.354042109706899, 0.070218287972116961});
+        CHECK_FALSE(away.touching());
+        CHECK(away.depth == 0);
+    }
+}
+
 TEMPLATE_TEST_CASE("proxy_tracker: beside a cliff level ground is level", "[proxy_tracker][regression]",
                    float, double) {
     // The cliff's bounds of rounding held the proxy on the grid line, though the level patch leads on. On level ground a
