@@ -68,12 +68,14 @@ TEST_CASE("SampleCheck: nothing trips at 3 m/s, whatever device, polling, jitter
           "[sample_check][law]") {
     const auto check = [](const StreamOptions& o) {
         const unsigned own = trips_of(o);
-        // The device's limits are narrower, and hold as well where stamps are as due.
-        const bool steady = o.delivery == Delivery::stalled_polls || o.delivery == Delivery::burst ||
-                            o.delivery == Delivery::late_stamps;
-        const unsigned device = steady ? trips_of(o, guard_limits({.rate = o.rate})) : 0;
+        // The device's limits are narrower, and meant for one that is asked as often as it samples, or oftener, by a clock
+        // that ticks within max_gap.
+        const GuardLimits limits = guard_limits({.rate = o.rate});
+        const bool meant =
+            o.polls >= o.rate && (o.delivery != Delivery::coarse_clock || limits.max_gap > 1.0 / 64);
+        const unsigned device = meant ? trips_of(o, limits) : 0;
         if (own == 0 && device == 0) return;
-        CAPTURE(to_string(o.delivery), o.rate, o.polls, o.jitter, o.speed, o.stall_in);
+        CAPTURE(to_string(o.delivery), o.rate, o.polls, o.jitter, o.speed, o.reaches, o.stall_in);
         CHECK(own == 0);
         CHECK(device == 0);
     };
@@ -83,17 +85,41 @@ TEST_CASE("SampleCheck: nothing trips at 3 m/s, whatever device, polling, jitter
                 for (const double jitter : {0.0, 0.003, 0.005, 0.01}) {
                     for (const double speed : {0.002, 0.3, 3.0}) {
                         for (const int stall_in : {3, 50}) {
-                            check({.delivery = delivery,
-                                   .rate = rate,
-                                   .polls = polls,
-                                   .jitter = jitter,
-                                   .speed = speed,
-                                   .seconds = 0.5,
-                                   .stall_in = stall_in,
-                                   .seed = 3});
+                            for (const bool reaches : {false, true}) {
+                                if (reaches && speed < 0.1) continue;
+                                check({.delivery = delivery,
+                                       .rate = rate,
+                                       .polls = polls,
+                                       .jitter = jitter,
+                                       .speed = speed,
+                                       .reaches = reaches,
+                                       .seconds = 0.5,
+                                       .stall_in = stall_in,
+                                       .seed = 3});
+                            }
                         }
                     }
                 }
+            }
+        }
+    }
+}
+
+TEST_CASE("SampleCheck: samples that each come up to 10 ms late do not trip at 3 m/s",
+          "[sample_check][regression]") {
+    // Two delays after each other: the place is farther on than the times between its changes tell.
+    for (const double polls : {1000.0, 4000.0, 8000.0}) {
+        for (const double rate : {500.0, 1000.0}) {
+            for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+                const StreamOptions late{.delivery = Delivery::late_arrival,
+                                         .rate = rate,
+                                         .polls = polls,
+                                         .jitter = 0.01,
+                                         .seconds = 1,
+                                         .seed = seed};
+                CAPTURE(rate, polls, seed);
+                CHECK(trips_of(late) == 0);
+                CHECK(trips_of(late, guard_limits({.rate = rate})) == 0);
             }
         }
     }
@@ -131,19 +157,23 @@ TEST_CASE("SampleCheck: in every one of these streams a fault trips in its updat
                                              .stall_in = 5,
                                              .seed = 4});
                 for (const auto& [name, trip, put_in] : faults) {
-                    ForceGuard guard;
-                    const std::size_t at = stream.size() * 6 / 7;
-                    for (std::size_t n = 0; n < at; ++n) (void)guard.update(stream[n], asked);
-                    REQUIRE(trips(guard) == 0);
-                    auto broken = stream[at];
-                    auto force = asked;
-                    bool buried = false;
-                    put_in(broken, force, buried);
-                    const auto result = guard.update(broken, force, buried);
-                    CAPTURE(to_string(delivery), rate, speed, name);
-                    CHECK(result.trip == trip);
-                    CHECK(is_zero(result.newtons));
-                    CHECK(guard.counts().trips[static_cast<int>(trip)] == 1);
+                    for (const bool fitted : {false, true}) {
+                        if (fitted && delivery == Delivery::coarse_clock && rate > 500)
+                            continue; // ticks too far apart
+                        ForceGuard guard{fitted ? guard_limits({.rate = rate}) : GuardLimits{}};
+                        const std::size_t at = stream.size() * 6 / 7;
+                        for (std::size_t n = 0; n < at; ++n) (void)guard.update(stream[n], asked);
+                        REQUIRE(trips(guard) == 0);
+                        auto broken = stream[at];
+                        auto force = asked;
+                        bool buried = false;
+                        put_in(broken, force, buried);
+                        const auto result = guard.update(broken, force, buried);
+                        CAPTURE(to_string(delivery), rate, speed, name, fitted);
+                        CHECK(result.trip == trip);
+                        CHECK(is_zero(result.newtons));
+                        CHECK(guard.counts().trips[static_cast<int>(trip)] == 1);
+                    }
                 }
 
                 // The same sample over and over, and time that goes backwards.
@@ -203,6 +233,61 @@ TEST_CASE("SampleCheck: an encoder in slow motion and a hand at rest do not make
         place.z = limits.max_step + limits.max_speed * limits.max_gap + 1e-4; // 10 cm
         CHECK(check.update(limits, 5, place).jump);
     }
+}
+
+namespace {
+
+/// m: the longest move that is no jump, after two seconds of a hand at `speed`, which this changes.
+double longest_move(const GuardLimits& limits, const StreamOptions& options) {
+    const auto stream = deliver(options);
+    SampleCheck check;
+    std::size_t n = 0;
+    for (; n + 1 < stream.size(); ++n) (void)check.update(limits, stream[n].time, stream[n].position);
+    double shortest = 0, longest = 1;
+    for (int k = 0; k < 30; ++k) {
+        const double middle = (shortest + longest) / 2;
+        SampleCheck copy = check;
+        const glm::dvec3 place = stream[n].position + glm::dvec3{0, middle, 0};
+        (copy.update(limits, stream[n].time, place).jump ? longest : shortest) = middle;
+    }
+    return longest;
+}
+
+} // namespace
+
+TEST_CASE("SampleCheck: a jump from rest is one of the device's own period, however often it is asked",
+          "[sample_check][regression]") {
+    // After a rest all the time since the place changed last was the hand's to move in: at 1 kHz up to 61 mm in an update, at
+    // 100 Hz 151 mm.
+    for (const double rate : {100.0, 200.0, 500.0, 1000.0}) {
+        for (const double polls : {rate, 4000.0, 8000.0}) {
+            const StreamOptions at_rest{.rate = rate, .polls = polls, .speed = 0};
+            CAPTURE(rate, polls);
+            CHECK(longest_move(guard_limits({.rate = rate}), at_rest) ==
+                  Approx(0.001 + 5 / rate).epsilon(1e-3));
+            // A period that nobody tells, and that no move teaches, may be as long as max_gap.
+            CHECK(longest_move({}, at_rest) == Approx(0.101).epsilon(1e-3));
+        }
+    }
+    // A slow hand on a device that is asked eight times a sample teaches no more than a rest does.
+    const StreamOptions slow{.rate = 1000, .polls = 8000, .speed = 0.05};
+    CHECK(longest_move(guard_limits({.rate = 1000}), slow) == Approx(0.006).epsilon(1e-3));
+    CHECK(longest_move({}, slow) == Approx(0.101).epsilon(1e-3));
+}
+
+TEST_CASE("SampleCheck: a move that is no jump to the guard reaches the motors by the slew",
+          "[sample_check]") {
+    // The longest that trips nothing, 100 mm into the ground: what it may do is turn the force up by max_slew.
+    ForceGuard guard;
+    double before = 0;
+    for (int n = 0; n < 1020; ++n) {
+        const double z = n < 1000 ? 0.0 : -0.1;
+        const auto result = guard.update({.time = 1 + 0.001 * n, .position = {0, 0, z}}, {0, 0, -500 * z});
+        CHECK(result.trip == GuardTrip::none);
+        CHECK(result.newtons.z <= before + guard.limits().max_slew + 1e-9);
+        before = result.newtons.z;
+    }
+    CHECK(before == Approx(guard.limits().max_force));
 }
 
 TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its first move came about",
