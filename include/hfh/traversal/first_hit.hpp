@@ -39,9 +39,9 @@ struct FirstHitOptions {
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
     /// ≥ 0: the segment leaves a surface on which a was computed to lie, to `side`, and this many metres are the rounding
-    /// of a. As long as it is no farther off than that, nothing is a crossing, and a missing patch is no hole; where a cell
-    /// begins with the segment farther off, it has left. If it ends on the other side without having left, it hits where it
-    /// entered its last cell. < 0: no.
+    /// of a.z (that of a.x and a.y is added to it). As long as it is no farther off than that, nothing is a crossing, and a
+    /// missing patch is no hole; where a cell begins or ends with the segment farther off, it has left. If it ends on the
+    /// other side without having left, it hits where it entered its last cell. < 0: no.
     double leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
     /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one
@@ -175,15 +175,25 @@ private:
         return true;
     }
 
+    /// How many metres of height over this patch the rounding of a.x and a.y makes. Beside a grid line it can put a on the
+    /// patch next to the one it lies on, and that may be far steeper.
+    [[nodiscard]] double rounding_in_plan(const BilinearPatch<double>& p) const noexcept {
+        const glm::dvec2 per_metre = field.lattice().cells_per_metre();
+        const double rise_u = glm::max(std::abs(p.p10 - p.p00), std::abs(p.p11 - p.p01)),
+                     rise_v = glm::max(std::abs(p.p01 - p.p00), std::abs(p.p11 - p.p10));
+        return epsilon<double> *
+               (std::abs(a.x) * per_metre.x * rise_u + std::abs(a.y) * per_metre.y * rise_v);
+    }
+
     /// While the segment leaves the surface: whether it is still on it, but for the rounding of a.
     [[nodiscard]] bool stays_on_surface(SegmentOverPatch& over, const Cell& cell) noexcept {
-        const double sign = sign_of(side);
-        const bool off = sign * over.f_in > options.leaves_within;
+        const double sign = sign_of(side), rounding = options.leaves_within + rounding_in_plan(over.patch);
+        const bool off = sign * over.f_in > rounding;
         if (!off) {
             over.f_in = 0;
-            const double rise = over.f_out - over.bend(); // f'(0) from f₀ = 0
-            if (sign * rise <= options.leaves_within) {
-                leaving = sign * over.f_out <= options.leaves_within;
+            const double rise = over.f_out - over.quadratic(); // f'(0) from f₀ = 0
+            if (sign * rise <= rounding) {
+                leaving = sign * over.f_out <= rounding;
                 under = sign * over.f_out < 0;
                 result.t = over.t_in;
                 result.point = {cell, static_cast<T>(over.in.x), static_cast<T>(over.in.y)};
