@@ -68,11 +68,13 @@ TEST_CASE("SampleCheck: nothing trips at 3 m/s, whatever device, polling, jitter
           "[sample_check][law]") {
     const auto check = [](const StreamOptions& o) {
         const unsigned own = trips_of(o);
-        // The device's limits are narrower, and meant for one that is asked as often as it samples, or oftener, by a clock
-        // that ticks within max_gap.
+        // The device's limits are narrower. They hold for any polling where stamps are as due, and else for a device that is
+        // polled no slower than it samples, by a clock that ticks within max_gap.
         const GuardLimits limits = guard_limits({.rate = o.rate});
-        const bool meant =
-            o.polls >= o.rate && (o.delivery != Delivery::coarse_clock || limits.max_gap > 1.0 / 64);
+        const bool steady = o.delivery == Delivery::stalled_polls || o.delivery == Delivery::burst ||
+                            o.delivery == Delivery::late_stamps;
+        const bool ticks = o.delivery != Delivery::coarse_clock || limits.max_gap > 1.0 / 64;
+        const bool meant = steady || (o.polls >= o.rate && ticks);
         const unsigned device = meant ? trips_of(o, limits) : 0;
         if (own == 0 && device == 0) return;
         CAPTURE(to_string(o.delivery), o.rate, o.polls, o.jitter, o.speed, o.reaches, o.stall_in);
