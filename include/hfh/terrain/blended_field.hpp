@@ -94,15 +94,10 @@ public:
         return found;
     }
 
-    /// See `QuickHeightField`. Compares the samples of both levels, without blending them.
+    /// See `QuickHeightField`. Compares the samples of both levels, without blending them: the blend lies between them.
     [[nodiscard, gnu::always_inline]] constexpr bool surely_below(Cell one, Cell other, T z) const noexcept {
-        const auto both_below = [z](const Level& level, Cell a, Cell b) {
-            if (!level.cells().contains(a) || !level.cells().contains(b)) return false;
-            return level.corners_below({a, {a.i + 1, a.j}, {a.i, a.j + 1}, {a.i + 1, a.j + 1}, b, b}, z) &&
-                   level.corners_below({b, {b.i + 1, b.j}, {b.i, b.j + 1}, {b.i + 1, b.j + 1}, b, b}, z);
-        };
-        return both_below(fine_, one, other) &&
-               (alpha_ == 0 || both_below(coarse_, cell_above(one), cell_above(other)));
+        return corners_below(fine_, one, other, z) &&
+               (alpha_ == 0 || corners_below(coarse_, cell_above(one), cell_above(other), z));
     }
 
 private:
@@ -114,6 +109,22 @@ private:
 
     /// The cell of level k+1 of which this one of level k is a quarter.
     [[nodiscard]] static constexpr Cell cell_above(Cell c) noexcept { return {c.i >> 1, c.j >> 1}; }
+
+    /// Whether two cells of a level that share a side have patches below z; or one cell given twice.
+    [[nodiscard, gnu::always_inline]] static constexpr bool corners_below(const Level& level, Cell one,
+                                                                          Cell other, T z) noexcept {
+        const CellRange cells = level.cells();
+        if (!cells.contains(one) || !cells.contains(other)) return false;
+        const Cell low{std::min(one.i, other.i), std::min(one.j, other.j)},
+            high{std::max(one.i, other.i), std::max(one.j, other.j)};
+        return level.corners_below({low,
+                                    {low.i + 1, low.j + 1},
+                                    high,
+                                    {high.i + 1, high.j + 1},
+                                    {high.i + 1, low.j},
+                                    {low.i, high.j + 1}},
+                                   z);
+    }
 
     /// The blend of a height of level k with one of level k+1: exact at α = 0 and α = 1, never beyond either, and one product
     /// and one sum, so that no two compilations of it differ.
