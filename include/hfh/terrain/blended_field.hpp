@@ -33,20 +33,29 @@ namespace hfh {
 /// Does not throw, does not allocate.
 template <Real T, LevelSource Levels>
 class BlendedField {
+    using Heights = typename Levels::Heights;
+    using SampleType = typename Heights::SampleType;
+
 public:
     using Scalar = T;
-    using Level = BilinearGrid<T, typename Levels::Heights>; ///< one level, not blended
+    using Level = BilinearGrid<T, Heights>; ///< one level, not blended
 
     /// The frame is that of level 0.
     constexpr BlendedField(const Levels& levels, const GridFrame& frame) noexcept
-        : levels_{levels}, frame_{frame}, fine_{grid(0)}, coarse_{grid(std::min(1, levels.count() - 1))} {}
+        : levels_{levels}, frame_{frame}, fine_{grid(0)}, coarse_{grid(std::min(1, levels.count() - 1))} {
+        if constexpr (std::is_integral_v<SampleType>) {
+            using Limits = std::numeric_limits<SampleType>;
+            turn_ = frame.height_scale < 0 ? static_cast<SampleType>(-1) : SampleType(0);
+            all_are_heights_ = fine_.in_range(fine_.heights_between(Limits::lowest(), Limits::max()));
+        }
+    }
 
     /// That of level 0.
     [[nodiscard]] constexpr GridStatus status() const noexcept { return grid(0).status(); }
     [[nodiscard]] constexpr int level_count() const noexcept { return levels_.count(); }
 
     /// The samples of level 0.
-    [[nodiscard]] constexpr typename Levels::Heights source() const noexcept { return levels_.heights(0); }
+    [[nodiscard]] constexpr Heights source() const noexcept { return levels_.heights(0); }
 
     /// Sets the level to any number from 0 to level_count() − 1: k is its whole part and α the rest. Takes the nearest
     /// where there is no such level, and leaves the level as it is if that is NaN. Returns the level that is set.
@@ -96,8 +105,22 @@ public:
 
     /// See `QuickHeightField`. Compares the samples of both levels, without blending them: the blend lies between them.
     [[nodiscard, gnu::always_inline]] constexpr bool surely_below(Cell one, Cell other, T z) const noexcept {
-        return corners_below(fine_, one, other, z) &&
-               (alpha_ == 0 || corners_below(coarse_, cell_above(one), cell_above(other), z));
+        const bool blends = alpha_ != 0;
+        const Cell above = cell_above(one), other_above = cell_above(other);
+        // Four cells of level k lie in each of level k+1.
+        const bool there = blends ? has_cells(coarse_, above, other_above) : has_cells(fine_, one, other);
+        if (!there) return false;
+        SampleBounds bounds{in_order(fine_.heights()(one.i, one.j))};
+        add_corners(bounds, fine_.heights(), one, other);
+        if (blends) add_corners(bounds, coarse_.heights(), above, other_above);
+        if (bounds.holed) return false;
+        const SampleType highest = in_order(bounds.highest), lowest = in_order(bounds.lowest);
+        if constexpr (std::is_integral_v<SampleType>) {
+            return all_are_heights_ && fine_.heights_between(highest, highest).highest < z;
+        } else {
+            const HeightRange<T> range = fine_.heights_between(lowest, highest);
+            return fine_.in_range(range) && range.highest < z;
+        }
     }
 
 private:
@@ -110,20 +133,41 @@ private:
     /// The cell of level k+1 of which this one of level k is a quarter.
     [[nodiscard]] static constexpr Cell cell_above(Cell c) noexcept { return {c.i >> 1, c.j >> 1}; }
 
-    /// Whether two cells of a level that share a side have patches below z; or one cell given twice.
-    [[nodiscard, gnu::always_inline]] static constexpr bool corners_below(const Level& level, Cell one,
-                                                                          Cell other, T z) noexcept {
-        const CellRange cells = level.cells();
-        if (!cells.contains(one) || !cells.contains(other)) return false;
-        const Cell low{std::min(one.i, other.i), std::min(one.j, other.j)},
-            high{std::max(one.i, other.i), std::max(one.j, other.j)};
-        return level.corners_below({low,
-                                    {low.i + 1, low.j + 1},
-                                    high,
-                                    {high.i + 1, high.j + 1},
-                                    {high.i + 1, low.j},
-                                    {low.i, high.j + 1}},
-                                   z);
+    /// The lowest and the highest of some samples in order, and whether one of them is a hole.
+    struct SampleBounds {
+        SampleType lowest, highest = lowest;
+        bool holed = false;
+    };
+
+    /// Integers in the order of their heights, which the height scale may turn around. Turns them back as well.
+    [[nodiscard]] constexpr SampleType in_order(SampleType sample) const noexcept {
+        if constexpr (std::is_integral_v<SampleType>) return static_cast<SampleType>(sample ^ turn_);
+        return sample;
+    }
+    [[gnu::always_inline]] constexpr void add(SampleBounds& bounds, const Heights& heights, Index i,
+                                              Index j) const noexcept {
+        const SampleType sample = heights(i, j), ordered = in_order(sample);
+        bounds.holed |= heights.missing(sample);
+        if constexpr (std::is_floating_point_v<SampleType>)
+            bounds.holed |= !is_finite(static_cast<T>(sample));
+        bounds.lowest = ordered < bounds.lowest ? ordered : bounds.lowest;
+        bounds.highest = bounds.highest < ordered ? ordered : bounds.highest;
+    }
+    /// The corners of a cell and of its neighbour to the right or above, or of one cell given twice: which of these it is
+    /// would be hard to predict, so always six.
+    [[gnu::always_inline]] constexpr void add_corners(SampleBounds& bounds, const Heights& heights, Cell one,
+                                                      Cell other) const noexcept {
+        add(bounds, heights, one.i, one.j);
+        add(bounds, heights, one.i + 1, one.j + 1);
+        add(bounds, heights, other.i, other.j);
+        add(bounds, heights, other.i + 1, other.j + 1);
+        add(bounds, heights, other.i + 1, one.j);
+        add(bounds, heights, one.i, other.j + 1);
+    }
+
+    [[nodiscard]] static constexpr bool has_cells(const Level& level, Cell one, Cell other) noexcept {
+        const Cell end = level.cells().end;
+        return one.i >= 0 && one.j >= 0 && other.i < end.i && other.j < end.j;
     }
 
     /// The blend of a height of level k with one of level k+1: exact at α = 0 and α = 1, never beyond either, and one product
@@ -184,6 +228,8 @@ private:
     T weight_ = 0;             ///< of the level that counts less
     bool from_coarse_ = false; ///< that is level k
     int k_ = 0;
+    SampleType turn_ = 0;          ///< integers: what turns their order around if the height scale does
+    bool all_are_heights_ = false; ///< integers: none is too large to be a height
 };
 
 /// Computes in double unless told otherwise.
