@@ -142,7 +142,8 @@ TEMPLATE_TEST_CASE("BlendedField: without holes it is (1 - alpha) S_k + alpha S_
             const Cell c{static_cast<Index>(x * 2 / width), static_cast<Index>(y * 2 / width)};
             const auto patch = field.patch(c);
             REQUIRE(patch);
-            const auto fine = oracle.surface(k, x, y), coarse = oracle.surface(k + 1, x, y);
+            const Metres across = static_cast<Metres>(x), along = static_cast<Metres>(y);
+            const auto fine = oracle.surface(k, across, along), coarse = oracle.surface(k + 1, across, along);
             REQUIRE((fine && coarse));
             const auto alpha = static_cast<Metres>(level) - static_cast<Metres>(k);
             const auto wanted = (1 - alpha) * *fine + alpha * *coarse;

@@ -66,6 +66,18 @@ concept LeveledHeightField = HeightField<F>
     };
 // clang-format on
 
+/// A height field that is the blend (1 − α)·finer() + α·coarser() of two levels of detail, with cells twice as wide in
+/// coarser(). See `BlendedField`.
+// clang-format off
+template <class F>
+concept BlendedHeightField = HeightField<F>
+    && requires(const F& field) {
+        requires HeightField<std::remove_cvref_t<decltype(field.finer())>>;
+        requires HeightField<std::remove_cvref_t<decltype(field.coarser())>>;
+        { field.alpha() } noexcept -> std::same_as<double>;
+    };
+// clang-format on
+
 /// Heights in metres between which a piece of surface lies.
 template <Real T>
 struct HeightRange {
