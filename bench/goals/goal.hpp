@@ -68,6 +68,7 @@ struct Settings {
 [[nodiscard]] Findings beside_heights(const Settings&);
 [[nodiscard]] Findings compile_time(const Settings&);
 [[nodiscard]] Findings blended_levels(const Settings&);
+[[nodiscard]] Findings zoom(const Settings&);
 
 } // namespace hfh::bench
 
