@@ -118,8 +118,8 @@ shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& po
             for (int a = 0; a < 2; ++a) {
                 const auto mean = detail::mean_slopes(coarse, point.cell, a, b);
                 if (!mean) continue;
-                const vec2<T> by = alpha * (*mean - at[b][a]);
-                at[b][a] += vec2<T>{rounded(by.x), rounded(by.y)};
+                const vec2<T> off = *mean - at[b][a];
+                at[b][a] = {multiply_add(alpha, off.x, at[b][a].x), multiply_add(alpha, off.y, at[b][a].y)};
             }
         }
     }

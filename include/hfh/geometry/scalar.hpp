@@ -102,23 +102,27 @@ template <Real T>
            std::bit_cast<typename detail::Bits<T>::Type>(longest<T>);
 }
 
-/// x rounded to T, which it is already unless it is a product: where compilers may fuse a product with the sum that it goes
-/// into, they do it in one place and not in another, and the last bit differs. They cannot where they do not know that it is
-/// a product: an empty assembly hides that and costs no instruction.
+/// a·b + c, by the same roundings everywhere. Of `a * b + c` compilers fuse the product with the sum in one place and not in
+/// another, and the last bit differs. Here it is fused where the processor can; elsewhere an empty assembly, which costs no
+/// instruction, hides from the compiler that it is a product.
 template <Real T>
-[[nodiscard]] constexpr T rounded(T x) noexcept {
+[[nodiscard]] constexpr T multiply_add(T a, T b, T c) noexcept {
+#if defined(__GNUC__) && (defined(__FMA__) || defined(__aarch64__))
+    if constexpr (std::same_as<T, float>) return __builtin_fmaf(a, b, c);
+    return __builtin_fma(a, b, c);
+#else
+    T product = a * b;
 #if defined(__GNUC__)
     if (!std::is_constant_evaluated()) {
 #if defined(__SSE_MATH__)
-        asm("" : "+x"(x));
-#elif defined(__aarch64__)
-        asm("" : "+w"(x));
+        asm("" : "+x"(product));
 #else
-        asm("" : "+m"(x)); // no name for the registers that hold floats
+        asm("" : "+m"(product)); // no name for the registers that hold floats
 #endif
     }
 #endif
-    return x;
+    return product + c;
+#endif
 }
 
 /// x as a double, to the bit. Every conversion from float to double goes through here, because of an error of GCC 12: at

@@ -100,6 +100,7 @@ public:
             coarse_ = grid(std::min(k + 1, last));
             k_ = k;
         }
+        blends_ = alpha_ != 0;
         nearer_coarse_ = alpha_ > 0.5;
         weight_ = static_cast<T>(nearer_coarse_ ? 1 - alpha_ : alpha_);
         return level();
@@ -118,7 +119,7 @@ public:
 
     [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         auto found = fine_.patch(c);
-        if (!found || alpha_ == 0) return found;
+        if (!found || !blends_) return found;
         if (const auto coarse = coarse_.patch(cell_above(c))) [[likely]] {
             blend(*found, *coarse, c);
         } else {
@@ -129,14 +130,13 @@ public:
 
     /// See `QuickHeightField`. Compares the samples of both levels, without blending them: the blend lies between them.
     [[nodiscard, gnu::always_inline]] constexpr bool surely_below(Cell one, Cell other, T z) const noexcept {
-        const bool blends = alpha_ != 0;
         const Cell above = cell_above(one), other_above = cell_above(other);
         // Four cells of level k lie in each of level k+1.
-        const bool there = blends ? has_cells(coarse_, above, other_above) : has_cells(fine_, one, other);
+        const bool there = blends_ ? has_cells(coarse_, above, other_above) : has_cells(fine_, one, other);
         if (!there) return false;
         SampleBounds bounds{in_order(fine_.heights()(one.i, one.j))};
         add_corners(bounds, fine_.heights(), one, other);
-        if (blends) add_corners(bounds, coarse_.heights(), above, other_above);
+        if (blends_) add_corners(bounds, coarse_.heights(), above, other_above);
         if (bounds.holed) return false;
         const SampleType highest = in_order(bounds.highest), lowest = in_order(bounds.lowest);
         if constexpr (std::is_integral_v<SampleType>) {
@@ -204,7 +204,7 @@ private:
         const T mean = (weights[0][corner] * coarse.p00 + weights[1][corner] * coarse.p10) +
                        (weights[2][corner] * coarse.p01 + weights[3][corner] * coarse.p11);
         const T base = nearer_coarse_ ? mean : fine, other = nearer_coarse_ ? fine : mean;
-        return base + rounded(weight_ * (other - base));
+        return multiply_add(weight_, other - base, base);
     }
 
     [[gnu::always_inline]] constexpr void blend(BilinearPatch<T>& fine, const BilinearPatch<T>& coarse,
@@ -249,6 +249,7 @@ private:
     Level fine_, coarse_;
     double alpha_ = 0;
     T weight_ = 0;               ///< of the level that counts less
+    bool blends_ = false;        ///< α is not 0
     bool nearer_coarse_ = false; ///< that is level k
     int k_ = 0;
     SampleType turn_ = 0;          ///< integers: what turns their order around if the height scale does
