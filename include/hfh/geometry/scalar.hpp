@@ -108,8 +108,11 @@ template <Real T>
 template <Real T>
 [[nodiscard]] constexpr T multiply_add(T a, T b, T c) noexcept {
 #if defined(__GNUC__) && (defined(__FMA__) || defined(__aarch64__))
-    if constexpr (std::same_as<T, float>) return __builtin_fmaf(a, b, c);
-    return __builtin_fma(a, b, c);
+    if constexpr (std::same_as<T, float>) {
+        return __builtin_fmaf(a, b, c);
+    } else {
+        return __builtin_fma(a, b, c);
+    }
 #else
     T product = a * b;
 #if defined(__GNUC__)
