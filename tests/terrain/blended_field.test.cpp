@@ -62,6 +62,70 @@ struct Kind {
     using SampleType = S;
 };
 
+/// Whether a range of heights bounds the patches of some cells; one that bounds nothing holds everything.
+template <HeightField F>
+bool holds(const F& field, const HeightRange<typename F::Scalar>& range, const CellRange& cells) {
+    const bool tells = range.highest < std::numeric_limits<typename F::Scalar>::max();
+    for (Index j = cells.begin.j; j < cells.end.j; ++j) {
+        for (Index i = cells.begin.i; i < cells.end.i; ++i) {
+            const auto p = field.patch({i, j});
+            if (p ? !(range.lowest <= p->lowest() && p->highest() <= range.highest) : tells) return false;
+        }
+    }
+    return true;
+}
+
+/// Checks every block of a level, some of them in pairs. Returns how many bound something.
+template <BoundedHeightField F>
+int blocks_that_tell(const F& field, int level, Random& random) {
+    const Index side = Index{1} << (F::block_bits + 2 * level);
+    const Cell end = field.cells().end;
+    int telling = 0;
+    bool right = true;
+    for (Index j = 0; j * side < end.j; ++j) {
+        for (Index i = 0; i * side < end.i; ++i) {
+            const bool pair = (i + 1) * side < end.i && random.one_in(2);
+            const auto range = field.block_range(level, {i, j}, {i + pair, j});
+            telling += range.highest < std::numeric_limits<typename F::Scalar>::max();
+            const Cell last{std::min(end.i, (i + 1 + pair) * side), std::min(end.j, (j + 1) * side)};
+            right = right && holds(field, range, {{i * side, j * side}, last});
+        }
+    }
+    CHECK(right);
+    return telling;
+}
+
+/// Whether every cell of two fields has the same patch.
+template <HeightField A, HeightField B>
+bool same_patches(const A& a, const B& b) {
+    if (a.cells().end != b.cells().end) return false;
+    for (Index j = 0; j < a.cells().end.j; ++j) {
+        for (Index i = 0; i < a.cells().end.i; ++i) {
+            const auto one = a.patch({i, j}), other = b.patch({i, j});
+            if (one.has_value() != other.has_value()) return false;
+            if (one && corners(*one) != corners(*other)) return false;
+        }
+    }
+    return true;
+}
+
+/// Whether the cells of `fine` are quarters of those of `coarse`, where there are both.
+template <HeightField A, HeightField B>
+bool are_quarters(const A& fine, const B& coarse) {
+    using T = typename A::Scalar;
+    for (Index j = 0; j < 2 * coarse.cells().end.j; ++j) {
+        for (Index i = 0; i < 2 * coarse.cells().end.i; ++i) {
+            const auto quarter = fine.patch({i, j}), whole = coarse.patch({i / 2, j / 2});
+            if (!quarter || !whole) continue; // holes are of the finer level
+            const T u = static_cast<T>(i % 2) / 2, v = static_cast<T>(j % 2) / 2, half = T(0.5);
+            const std::vector<T> wanted{whole->height(u, v), whole->height(u + half, v),
+                                        whole->height(u, v + half), whole->height(u + half, v + half)};
+            if (corners(*quarter) != wanted) return false;
+        }
+    }
+    return true;
+}
+
 } // namespace
 
 #define HFH_TEST_KINDS                                                                                       \
@@ -181,27 +245,10 @@ TEMPLATE_TEST_CASE(
             const BilinearGrid<T, HeightView<S, MissingValue<S>>> grid{
                 HeightView{copied.data(), columns, rows, MissingValue<S>{RandomSamples<S>::hole}},
                 coarse_frame};
-            REQUIRE(field.cells().end == grid.cells().end);
-            for (Index j = 0; j < grid.cells().end.j; ++j) {
-                for (Index i = 0; i < grid.cells().end.i; ++i) {
-                    const auto one = field.patch({i, j}), other = grid.patch({i, j});
-                    REQUIRE(one.has_value() == other.has_value());
-                    if (one) CHECK(corners(*one) == corners(*other));
-                }
-            }
+            CHECK(same_patches(field, grid));
             if (k == 0) continue;
             CHECK(field.blend(k - 1, 1) == k);
-            for (Index j = 0; j < 2 * grid.cells().end.j; ++j) {
-                for (Index i = 0; i < 2 * grid.cells().end.i; ++i) {
-                    const auto quarter = field.patch({i, j}), whole = grid.patch({i / 2, j / 2});
-                    if (!quarter || !whole) continue; // holes are of level k
-                    const T u = static_cast<T>(i % 2) / 2, v = static_cast<T>(j % 2) / 2, half = T(0.5);
-                    CHECK(quarter->p00 == whole->height(u, v));
-                    CHECK(quarter->p10 == whole->height(u + half, v));
-                    CHECK(quarter->p01 == whole->height(u, v + half));
-                    CHECK(quarter->p11 == whole->height(u + half, v + half));
-                }
-            }
+            CHECK(are_quarters(field, grid));
         }
     }
 }
@@ -328,28 +375,7 @@ TEMPLATE_TEST_CASE("BoundedBlendedField: blocks hold their patches at every leve
                 REQUIRE(field.levels() > 0);
                 const auto top_side = Index{1} << (field.block_bits + 2 * (field.levels() - 1));
                 REQUIRE(std::max(end.i, end.j) <= top_side);
-                for (int l = 0; l < field.levels(); ++l) {
-                    const Index side = Index{1} << (field.block_bits + 2 * l);
-                    for (Index J = 0; J * side < end.j; ++J) {
-                        for (Index I = 0; I * side < end.i; ++I) {
-                            const Cell one{I, J};
-                            const bool pair = (I + 1) * side < end.i && random.one_in(2);
-                            const auto range = field.block_range(l, one, {I + pair, J});
-                            const bool says = range.highest < std::numeric_limits<T>::max();
-                            bounded += says;
-                            bool holds = true;
-                            for (Index j = J * side; j < std::min(end.j, (J + 1) * side); ++j) {
-                                for (Index i = I * side; i < std::min(end.i, (I + 1 + pair) * side); ++i) {
-                                    const auto p = field.patch({i, j});
-                                    holds = holds &&
-                                            (p ? range.lowest <= p->lowest() && p->highest() <= range.highest
-                                               : !says);
-                                }
-                            }
-                            REQUIRE(holds);
-                        }
-                    }
-                }
+                for (int l = 0; l < field.levels(); ++l) bounded += blocks_that_tell(field, l, random);
             }
             // An edit in a corner, out of the range so far.
             const Index i = random.whole(0, samples.columns - 1), j = random.whole(0, samples.rows - 1);
