@@ -65,7 +65,7 @@ std::uint64_t read_all(const void* memory, std::size_t bytes) {
 
 /// The range of a block of level 0 or of all, sample by sample.
 template <class Heights>
-auto by_samples(const Heights& heights, Cell block, Index side) {
+auto by_samples(const Heights& heights, Block block, Index side) {
     using S = typename Heights::SampleType;
     SampleRange<S> range;
     bool first = true;
@@ -120,8 +120,8 @@ void build(benchmark::State& state, const Heights& heights, const void* memory) 
     std::mt19937 bits{50};
     constexpr Index side = Index{1} << MinMaxPyramid<S>::block_bits;
     for (int n = 0; n < 1000; ++n) {
-        const Cell block{static_cast<Index>(bits() % static_cast<unsigned>((w - 2) / side + 1)),
-                         static_cast<Index>(bits() % static_cast<unsigned>((h - 2) / side + 1))};
+        const Block block{static_cast<Index>(bits() % static_cast<unsigned>((w - 2) / side + 1)),
+                          static_cast<Index>(bits() % static_cast<unsigned>((h - 2) / side + 1))};
         if (!same(bounds.range(0, block), by_samples(heights, block, side))) {
             return fail(state, "not the bounds of a block");
         }
@@ -146,13 +146,13 @@ void update(benchmark::State& state, std::vector<std::int16_t>& samples, Index w
     MinMaxPyramid<std::int16_t> bounds{storage.data(), std::ssize(storage), w, h};
     bounds.build(heights);
     std::mt19937 bits{51};
-    std::vector<Cell> places;
+    std::vector<Vertex> places;
     for (int n = 0; n < 1024; ++n) {
         places.push_back({static_cast<Index>(bits() % static_cast<unsigned>(w - brush)),
                           static_cast<Index>(bits() % static_cast<unsigned>(h - brush))});
     }
     std::int16_t height = 0;
-    const auto edit = [&](Cell at) {
+    const auto edit = [&](Vertex at) {
         height = static_cast<std::int16_t>((height + 7) % 4000);
         for (Index j = at.j; j < at.j + brush; ++j) {
             for (Index i = at.i; i < at.i + brush; ++i) samples[static_cast<std::size_t>(i + j * w)] = height;
@@ -160,12 +160,12 @@ void update(benchmark::State& state, std::vector<std::int16_t>& samples, Index w
         bounds.update(heights, {at, {at.i + brush, at.j + brush}});
     };
     while (state.KeepRunningBatch(static_cast<benchmark::IterationCount>(places.size()))) {
-        for (const Cell at : places) edit(at);
+        for (const Vertex at : places) edit(at);
     }
-    for (const Cell at : places) {
+    for (const Vertex at : places) {
         edit(at);
         constexpr Index side = Index{1} << bounds.block_bits;
-        const Cell block{at.i / side, at.j / side};
+        const Block block{at.i / side, at.j / side};
         if (!same(bounds.range(0, block), by_samples(heights, block, side))) {
             return fail(state, "not the bounds of an edited block");
         }

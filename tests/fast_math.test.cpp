@@ -72,8 +72,8 @@ TEMPLATE_TEST_CASE("fast_math: a sample that is no number is a hole, in a grid a
             std::vector<SampleRange<T>> storage(static_cast<std::size_t>(MinMaxPyramid<T>::size(side, side)));
             BoundedGrid bounded{grid, storage.data(), std::ssize(storage)};
             REQUIRE(bounded.build() == PyramidStatus::ok);
-            const Cell block{glm::min(i, side - 2) >> MinMaxPyramid<T>::block_bits,
-                             Index{40} >> MinMaxPyramid<T>::block_bits};
+            const Block block{glm::min(i, side - 2) >> MinMaxPyramid<T>::block_bits,
+                              Index{40} >> MinMaxPyramid<T>::block_bits};
             CHECK(bounded.bounds().range(0, block).holed());
             CHECK_FALSE(bounded.bounds().range(0, {1, 0}).holed());
             ProxyTracker tracker{grid};

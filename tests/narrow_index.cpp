@@ -101,7 +101,7 @@ void check_scalar() {
     check_strokes(beyond, {500'000, 5'300'000}, 1, "beyond a grid");
     const DilatedField raised{beyond, T(0.25), 1000};
     check(raised.cells().end.i == CellRange::endless().end.i, "cut at the last cell that can be numbered");
-    check(raised.height(2'000'000, 300'000'000).has_value(), "raised, far out");
+    check(raised.height({2'000'000, 300'000'000}).has_value(), "raised, far out");
 }
 
 } // namespace

@@ -244,6 +244,96 @@ TEMPLATE_TEST_CASE(
     }
 }
 
+TEST_CASE("proxy_tracker: a search that is cut short remembers that it was leaving the released face",
+          "[proxy_tracker][limited][regression]") {
+    // It began again on that face, took it for what lies beyond, and came to a force where unlimited work comes to none.
+    struct Case {
+        SurfaceKind surface;
+        int max_contact_patches;
+        std::array<float, 16> samples;
+        std::vector<vec3<float>> way;
+    };
+    const std::array<Case, 3> cases{
+        Case{SurfaceKind::sheet,
+             2,
+             {0, 0, -2048, 0, 0, 0, 0, 0, 0, 0, 8192, 0, 0, 256, 0, 0},
+             {{1.734375F, 1.703125F, 9000}, {0.3125F, 2.59375F, 34.125F}, {1.859375F, 0.578125F, 37.75F}}},
+        Case{SurfaceKind::solid,
+             1,
+             {0, 64, 0, 0, 0, -256, 0, 0, 0, 4096, 0, 0, -4096, 0, 0, 0},
+             {{0.09375F, 0.453125F, 9000},
+              {1.203125F, 1.046875F, -41},
+              {2.96875F, 0.328125F, 18.75F},
+              {0.734375F, 2.8125F, -15.375F}}},
+        Case{SurfaceKind::solid,
+             2,
+             {0, 0, 0, 0, 0, 0, 2048, 0, 0, -1024, 0, 0, 0, 0, -128, 0},
+             {{2.453125F, 1.703125F, 9000},
+              {0.421875F, 0.71875F, 20.125F},
+              {1.828125F, 0.71875F, -35.25F},
+              {2.28125F, 2.3125F, -8.25F}}}};
+    for (const auto& [surface, limit, samples, way] : cases) {
+        CAPTURE(surface, limit);
+        const HeightView view{samples.data(), 4, 4};
+        const BilinearGrid<float, HeightView<float>> grid{view, {.spacing = {1, 1}}};
+        ProxyTracker unlimited{grid, {.surface = surface}};
+        ProxyTracker limited{grid, {.surface = surface, .max_contact_patches = limit}};
+        Contact<float> free, held;
+        for (const auto& stylus : way) {
+            for (int n = 0; n < 200; ++n) free = unlimited.update(stylus), held = limited.update(stylus);
+        }
+        CHECK(held.status == free.status);
+        CHECK(held.depth == Approx(free.depth));
+    }
+}
+
+TEMPLATE_TEST_CASE(
+    "proxy_tracker: a stylus that rests on the surface itself comes to an end with max_patches 1",
+    "[proxy_tracker][limited][regression]", float, double) {
+    // Where products are fused with sums it was released and caught again for ever: distances that are roundings of u and v
+    // were told apart.
+    using T = TestType;
+    const auto made = terrain<T>(14, 25, [](Index i, Index j) { return (i + j) % 2 == 0 ? 0.0 : 3.23e-5; },
+                                 {.spacing = {0.00365, 0.0045}});
+    const auto grid = made.grid();
+    Random random{151};
+    int unsettled = 0;
+    for (int n = 0; n < 4000; ++n) {
+        ProxyTracker tracker{grid, {.max_patches = 1, .max_contact_patches = 26}};
+        const Cell cell{random.whole(2, 10), random.whole(2, 20)};
+        const T u = static_cast<T>(random.unit()), v = static_cast<T>(random.unit());
+        const vec3<T> on{(static_cast<T>(cell.i) + u) * T(0.00365), (static_cast<T>(cell.j) + v) * T(0.0045),
+                         grid.patch(cell)->height(u, v)};
+        (void)tracker.update({on.x, on.y, T(1e-3)});
+        (void)tracker.update({on.x, on.y, T(-1e-5)});
+        Contact<T> rest;
+        for (int k = 0; k < 100; ++k) rest = tracker.update(on);
+        unsettled += rest.status == ContactStatus::descent_limit || rest.status == ContactStatus::sweep_limit;
+    }
+    CHECK(unsettled == 0);
+}
+
+TEST_CASE("proxy_tracker: drawn away from a steep ridge there is no force", "[proxy_tracker][regression]") {
+    // The segment from the released minimum on the ridge began an ulp of its x on the other side, where the ridge is so steep
+    // that this counted as outside, and came in again on the ridge: in contact for good, and pulled.
+    const double dx = 0.0022107679347780824, dy = 0.013706174951271039;
+    auto made = plane<double>(17, 17, 0, {{-1.1807494885709968, 11.285513818940505}, {dx, dy}});
+    made.at(0, 13) = 0.021865410915206194, made.at(0, 14) = -0.10229496262569766;
+    made.at(1, 13) = -0.063950355686006252, made.at(1, 14) = 0.11290256132083265;
+    made.at(2, 13) = 0.02429600176034372, made.at(2, 14) = -0.047416898104964383;
+    const auto grid = made.grid();
+    ProxyTracker tracker{grid};
+    tracker.restore({.swept_to = {-1.1785, 11.473, 0.05},
+                     .proxy = {{1, 13}, 0.01, 0.7},
+                     .side = Side::above,
+                     .phase = TrackerPhase::contact});
+    for (int k = 0; k < 3; ++k) {
+        const auto away = tracker.update({-1.0945295391146521, 11.354042109706899, 0.070218287972116961});
+        CHECK_FALSE(away.touching());
+        CHECK(away.depth == 0);
+    }
+}
+
 TEMPLATE_TEST_CASE("proxy_tracker: beside a cliff level ground is level", "[proxy_tracker][regression]",
                    float, double) {
     // The cliff's bounds of rounding held the proxy on the grid line, though the level patch leads on. On level ground a

@@ -33,20 +33,14 @@ template <class Sample, class Missing>
             sizeof(Sample)};
 }
 
-/// The samples low.i ≤ i ≤ high.i, low.j ≤ j ≤ high.j.
-struct SampleBox {
-    hfh::Cell low, high;
-    [[nodiscard]] bool empty() const noexcept { return high.i < low.i || high.j < low.j; }
-};
-
 /// What a stylus may touch that is at cell `here` and will be at `there`: the box around both, `margin` cells wider on
 /// every side, as far as there are samples.
-[[nodiscard]] inline SampleBox neighbourhood(const SampleLayout& layout, hfh::Cell here, hfh::Cell there,
-                                             hfh::Index margin) noexcept {
+[[nodiscard]] inline hfh::VertexRange neighbourhood(const SampleLayout& layout, hfh::Cell here,
+                                                    hfh::Cell there, hfh::Index margin) noexcept {
     return {{std::max<hfh::Index>(0, std::min(here.i, there.i) - margin),
              std::max<hfh::Index>(0, std::min(here.j, there.j) - margin)},
-            {std::min(layout.columns - 1, std::max(here.i, there.i) + 1 + margin),
-             std::min(layout.rows - 1, std::max(here.j, there.j) + 1 + margin)}};
+            {std::min(layout.columns, std::max(here.i, there.i) + 2 + margin),
+             std::min(layout.rows, std::max(here.j, there.j) + 2 + margin)}};
 }
 
 /// Whole pages.
@@ -55,12 +49,12 @@ struct PageRange {
 };
 
 /// The pages of the samples of `box` in row j. `page` is the size of one, a power of two.
-[[nodiscard]] inline PageRange pages_of_row(const SampleLayout& layout, const SampleBox& box, hfh::Index j,
-                                            std::uintptr_t page) noexcept {
+[[nodiscard]] inline PageRange pages_of_row(const SampleLayout& layout, const hfh::VertexRange& box,
+                                            hfh::Index j, std::uintptr_t page) noexcept {
     const auto at = [&](hfh::Index i) {
         return layout.first + static_cast<std::uintptr_t>(i * layout.column_bytes + j * layout.row_bytes);
     };
-    const std::uintptr_t west = at(box.low.i), east = at(box.high.i);
+    const std::uintptr_t west = at(box.begin.i), east = at(box.end.i - 1);
     const std::uintptr_t from = std::min(west, east), to = std::max(west, east);
     return {from & ~(page - 1), (to + layout.sample_bytes + page - 1) & ~(page - 1)};
 }
@@ -68,15 +62,15 @@ struct PageRange {
 /// Hands the pages of `box` to `visit`, row by row: from row `first` on upwards and then from there downwards, or the
 /// other way round. Leaves out a row whose pages are those of the row before.
 template <class Visitor>
-void for_each_page_range(const SampleLayout& layout, const SampleBox& box, hfh::Index first, bool upwards,
-                         std::uintptr_t page, Visitor&& visit) {
+void for_each_page_range(const SampleLayout& layout, const hfh::VertexRange& box, hfh::Index first,
+                         bool upwards, std::uintptr_t page, Visitor&& visit) {
     if (box.empty()) return;
-    first = std::clamp(first, box.low.j, box.high.j);
+    first = std::clamp(first, box.begin.j, box.end.j - 1);
     const PageRange nearest = pages_of_row(layout, box, first, page);
     visit(nearest);
     for (const hfh::Index step : {upwards ? 1 : -1, upwards ? -1 : 1}) {
         PageRange last = nearest;
-        for (hfh::Index j = first + step; box.low.j <= j && j <= box.high.j; j += step) {
+        for (hfh::Index j = first + step; box.begin.j <= j && j < box.end.j; j += step) {
             const PageRange range = pages_of_row(layout, box, j, page);
             if (last.begin <= range.begin && range.end <= last.end) continue;
             visit(range);

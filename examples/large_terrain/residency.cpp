@@ -59,7 +59,7 @@ void Residency::run() {
 }
 
 void Residency::bring_in(hfh::Cell here, hfh::Cell there) {
-    const SampleBox box = neighbourhood(layout_, here, there, settings_.margin);
+    const hfh::VertexRange box = neighbourhood(layout_, here, there, settings_.margin);
     const auto each = [&](auto&& visit) {
         for_each_page_range(layout_, box, here.j, there.j >= here.j, page_, visit);
     };

@@ -7,6 +7,7 @@
 #include <hfh/device/force_guard.hpp>
 #include <hfh/device/triple_buffer.hpp>
 #include <hfh/device/workspace.hpp>
+#include <hfh/force/virtual_coupling.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -51,6 +52,20 @@ struct Bounds {
     double margin = 0.005;     ///< m from the edge of the device's workspace that count as there
 };
 
+/// N/m at the hand that a device can render: below what the maker recommends; where the driver does not tell, what the
+/// smallest, the Touch, can do.
+[[nodiscard]] inline double stiffness_for(const hfh::DeviceCapabilities& device) noexcept {
+    return device.max_stiffness > 0 ? 0.8 * device.max_stiffness : 400;
+}
+/// Updates by which forces come late: half of one for the hold, as long as the driver tells no delay.
+inline constexpr double lag = 0.5;
+/// Limits that fit a device and that stiffness, behind the coupling.
+[[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
+    hfh::GuardLimits limits = hfh::guard_limits(device);
+    limits.stiffness = (1 + 1.5 * lag) * stiffness_for(device);
+    return limits;
+}
+
 /// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. A proxy that a
 /// ridge releases far from the stylus glides there over several updates, so that none takes long.
 template <hfh::HeightField Field>
@@ -61,9 +76,9 @@ public:
     /// `stiffness`: N/m at the hand.
     Scene(const Field& field, const hfh::WorkspaceFrame& frame, double stiffness,
           const hfh::GuardLimits& limits, const Bounds& bounds = {})
-        : workspace_{frame}, tracker_{field, {.max_contact_patches = 8}}, guard_{limits},
-          force_{.stiffness = workspace_.terrain_stiffness(stiffness)}, lattice_{field.lattice()},
-          bounds_{bounds} {
+        : workspace_{frame}, tracker_{field, {.max_contact_patches = 8}}, coupling_{{stiffness, lag}},
+          guard_{limits}, force_{.stiffness = workspace_.terrain_stiffness(stiffness)},
+          lattice_{field.lattice()}, bounds_{bounds} {
         if (bounds_.map.empty()) bounds_.map = field.cells();
     }
 
@@ -72,7 +87,8 @@ public:
         const bool clutch = (sample.buttons & 1u) != 0;
         const auto contact = tracker_.update(workspace_.update(sample.position, clutch));
         const auto asked = clutch ? glm::dvec3{0.0} : workspace_.force_at_hand(force_(contact).newtons);
-        const auto sent = guard_.update(sample, asked, contact.status == hfh::ContactStatus::buried);
+        const auto coupled = coupling_(sample.position, asked).newtons;
+        const auto sent = guard_.update(sample, coupled, contact.status == hfh::ContactStatus::buried);
         if (clutch) guard_.restart(); // no force meanwhile, and the ramp afterwards
         const hfh::DeviceCommand command{clutch ? glm::dvec3{0.0} : sent.newtons};
         const glm::dvec3 stylus = workspace_.to_terrain(sample.position);
@@ -106,24 +122,13 @@ private:
 
     hfh::Workspace<Scalar> workspace_;
     hfh::ProxyTracker<Field> tracker_;
+    hfh::VirtualCoupling coupling_;
     hfh::ForceGuard guard_;
     hfh::ForceEvaluator<Scalar> force_;
     hfh::Lattice lattice_;
     Bounds bounds_;
     hfh::TripleBuffer<Shown> shown_{};
 };
-
-/// N/m at the hand that a device can render: below what the maker recommends; where the driver does not tell, what the
-/// smallest, the Touch, can do.
-[[nodiscard]] inline double stiffness_for(const hfh::DeviceCapabilities& device) noexcept {
-    return device.max_stiffness > 0 ? 0.8 * device.max_stiffness : 400;
-}
-/// Limits that fit a device and that stiffness.
-[[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
-    hfh::GuardLimits limits = hfh::guard_limits(device);
-    limits.stiffness = stiffness_for(device);
-    return limits;
-}
 
 /// The breadth of the workspace becomes that of the terrain.
 [[nodiscard]] inline hfh::WorkspaceFrame frame_for(const hfh::DeviceCapabilities& device, double breadth,

@@ -147,12 +147,12 @@ TEST_CASE("large_terrain pages: those asked for are those that hold a sample of 
         PageSet asked;
         bool one_after_another_differ = true;
         PageRange last{};
-        const SampleBox box = neighbourhood(layout, here, there, margin);
+        const hfh::VertexRange box = neighbourhood(layout, here, there, margin);
         const bool upwards = there.j >= here.j;
         for_each_page_range(layout, box, here.j, upwards, page, [&](const PageRange& range) {
             one_after_another_differ &= range.begin != last.begin || range.end != last.end;
             if (last.end == 0) { // what is nearest comes first
-                const hfh::Index row = std::clamp(here.j, box.low.j, box.high.j);
+                const hfh::Index row = std::clamp(here.j, box.begin.j, box.end.j - 1);
                 const PageRange nearest = pages_of_row(layout, box, row, page);
                 CHECK(range.begin == nearest.begin);
                 CHECK(range.end == nearest.end);
@@ -169,7 +169,7 @@ TEST_CASE("large_terrain pages: rows ahead come before rows behind, near ones be
           "[large_terrain]") {
     const SampleLayout layout{
         .first = 0, .columns = 64, .rows = 64, .column_bytes = 2, .row_bytes = 128, .sample_bytes = 2};
-    const SampleBox box = neighbourhood(layout, {20, 20}, {20, 24}, 2);
+    const hfh::VertexRange box = neighbourhood(layout, {20, 20}, {20, 24}, 2);
     const auto rows = [&](bool upwards) {
         std::vector<std::uintptr_t> order;
         for_each_page_range(layout, box, 20, upwards, 64,

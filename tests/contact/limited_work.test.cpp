@@ -103,7 +103,7 @@ TEMPLATE_TEST_CASE("BilinearGrid: a number from the limit of heights on is a hol
             }
         }
         // A look at corners agrees.
-        const Cell over_hole[6]{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 0}},
+        const Vertex over_hole[6]{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 0}},
             over_patch[6]{{2, 0}, {3, 0}, {2, 1}, {3, 1}, {2, 0}, {3, 0}};
         CHECK_FALSE(grid.corners_below(over_hole, static_cast<T>(no_height_from<T> / 2)));
         CHECK(grid.corners_below(over_patch, static_cast<T>(no_height_from<T> / 2)));

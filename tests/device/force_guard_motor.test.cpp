@@ -309,6 +309,80 @@ TEST_CASE("ForceGuard: a scene that changes under the hand comes up by the ramp"
     CHECK(trips(guard) == 0);
 }
 
+TEST_CASE("ForceGuard: a force that turns under a resting hand comes up by the ramp where it turns to",
+          "[force_guard][regression]") {
+    // 2 N, which turn and grow no longer: they were there in the new direction after 2 to 4 ms.
+    const double degrees = GENERATE(40.0, 60.0, 90.0, 120.0, 180.0);
+    const bool moves = GENERATE(false, true);
+    const double turned = degrees * 3.14159265358979 / 180;
+    const glm::dvec3 from{0, 0, 2}, to{2 * std::sin(turned), 0, 2 * std::cos(turned)};
+    ForceGuard guard{guard_limits({.max_force = 3.3, .max_stiffness = 400, .rate = 1000})};
+    DeviceSample sample{.time = 1};
+    GuardedForce result;
+    glm::dvec3 before{0.0};
+    double along_after_5 = 0;
+    for (int n = 0; n < 1000; ++n) {
+        sample.time += 0.001;
+        if (moves) sample.position.x += 1e-5; // a hand at 10 mm/s
+        result = guard.update(sample, n < 550 ? from : to);
+        CHECK(distance(result.newtons, before) <= 1 + 1e-12L);
+        before = result.newtons;
+        if (n < 550) continue;
+        const double along = glm::dot(result.newtons, to) / 2;
+        const double allowed = std::max(0.0, 2 * std::cos(turned)) + guard.limits().max_sudden;
+        if (!moves) CHECK(along <= allowed + 3.3 / 0.5 * 0.001 * (n - 549) + 1e-9);
+        if (n == 555) along_after_5 = along;
+    }
+    if (moves) CHECK(along_after_5 == Approx(2)); // as over a ridge: by the slew
+    CHECK(distance(result.newtons, to) < 1e-9L);
+    CHECK((guard.counts().held_back > 0) == !moves);
+    CHECK(trips(guard) == 0);
+}
+
+TEST_CASE("ForceGuard: ground that tilts under a resting hand comes up by the ramp",
+          "[force_guard][regression]") {
+    // From a slope of 45 degrees to the opposite one, the stylus as deep in either.
+    Terrain<double> ground = plane<double>(64, 64, 0, {.spacing = {10, 10}});
+    const auto tilt = [&](double slope) {
+        for (int j = 0; j < 64; ++j)
+            for (int i = 0; i < 64; ++i)
+                ground.heights[static_cast<std::size_t>(64 * j + i)] = 100 + slope * (10 * i - 320);
+    };
+    tilt(1);
+    const auto grid = ground.grid();
+    Workspace<double> workspace{{.scale = 4000, .offset = {320, 320, 100}}};
+    ProxyTracker tracker{grid, {.max_contact_patches = 8}};
+    ForceEvaluator<double> force{.stiffness = workspace.terrain_stiffness(400)};
+    ForceGuard guard{guard_limits({.max_force = 3.3, .max_stiffness = 400, .rate = 1000})};
+    glm::dvec3 newtons{0.0}, before{0.0};
+    double pressed = 0, steepest = 0;
+    for (int n = 0; n < 3000; ++n) {
+        const double in = std::clamp((n - 1000) / 200.0, 0.0, 1.0);
+        const glm::dvec3 hand{0, 0, 0.005 - 0.0105 * in};
+        if (n == 2000) tilt(-1);
+        const auto contact = tracker.update(workspace.update(hand));
+        newtons = guard
+                      .update({.time = 0.001 * n, .position = hand},
+                              workspace.force_at_hand(force(contact).newtons),
+                              contact.status == ContactStatus::buried)
+                      .newtons;
+        if (n == 1999) {
+            pressed = glm::length(newtons);
+            CHECK(newtons.x < -1);
+        }
+        if (n >= 2000) {
+            CHECK(newtons.x <= guard.limits().max_sudden + 3.3 / 0.5 * 0.001 * (n - 1999));
+            steepest = std::max(steepest, glm::length(newtons) - glm::length(before));
+        }
+        before = newtons;
+    }
+    CHECK(pressed > 1.4);
+    CHECK(newtons.x > 1);
+    CHECK(glm::length(newtons) == Approx(pressed).epsilon(1e-6));
+    CHECK(steepest <= guard.limits().max_sudden + 3.3 / 500);
+    CHECK(trips(guard) == 0);
+}
+
 TEST_CASE("ForceGuard: what the hand makes is not held back, however fast", "[force_guard][law]") {
     // Cells of 5 mm, taps at up to 2 m/s, strokes, ridges that release the proxy, without friction and shading and with both;
     // with friction on hills, where its anchor seldom comes to lie farther from the stylus.
@@ -318,8 +392,9 @@ TEST_CASE("ForceGuard: what the hand makes is not held back, however fast", "[fo
     const auto ground =
         pieces > 1 ? hills<double>(60, 60, 0.006, 12, frame) : rough<double>(60, 60, 0.012, 21, frame);
     const auto grid = ground.grid();
-    const TrackerOptions gliding{.max_contact_patches = 8};
-    ProxyTracker tracker{grid, GENERATE_COPY(gliding, TrackerOptions{})};
+    const bool rests = GENERATE(false, true); // now and then the hand stays where it is
+    const bool glides = GENERATE(true, false);
+    ProxyTracker tracker{grid, glides ? TrackerOptions{.max_contact_patches = 8} : TrackerOptions{}};
     Friction<double> friction{{.at_rest = 0.6, .sliding = 0.4}};
     ForceEvaluator<double> force{.stiffness = stiffness};
     ForceGuard guard{
@@ -327,14 +402,17 @@ TEST_CASE("ForceGuard: what the hand makes is not held back, however fast", "[fo
     Random random{5};
     glm::dvec3 hand{0.15, 0.15, 0.03}, to = hand;
     double speed = 0.1, strongest = 0;
-    int touching = 0, held_back = 0;
+    int touching = 0, held_back = 0, resting = 0;
     for (int n = 0; n < 40000; ++n) {
-        if (glm::distance(hand, to) < 1e-9) {
+        if (resting > 0) {
+            --resting;
+        } else if (glm::distance(hand, to) < 1e-9) {
+            if (rests) resting = random.one_in(3) ? 60 : 0;
             to = {random.between(0.05, 0.25), random.between(0.05, 0.25), random.between(-0.012, 0.02)};
             speed = 2 * random.unit() * random.unit();
         }
         const double step = std::max(speed, 1e-3) * 0.001, left = glm::distance(hand, to);
-        hand = left > step ? hand + (to - hand) * (step / left) : to;
+        if (resting == 0) hand = left > step ? hand + (to - hand) * (step / left) : to;
         auto contact = tracker.update(hand);
         if (pieces > 0) contact = shade_force(grid, contact);
         if (pieces > 1) contact = friction.hold(grid, contact, hand);
@@ -346,7 +424,9 @@ TEST_CASE("ForceGuard: what the hand makes is not held back, however fast", "[fo
         held_back += result.held_back;
         if (n > 200 && !result.clamped && !result.held_back) REQUIRE(result.newtons == asked);
     }
-    CHECK(held_back <= (pieces > 1 ? touching / 1000 : 0));
+    // One of the paths with rests has a proxy that glides past a face on which it is felt nothing for an update.
+    const bool seldom = pieces > 1 || (rests && glides);
+    CHECK(held_back <= (seldom ? touching / 1000 : 0));
     CHECK(touching > 5000);
     CHECK(strongest > 2);
     CHECK(trips(guard) == 0);

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 using namespace hfh;
 using namespace hfh::test;
@@ -64,102 +65,153 @@ TEST_CASE("SampleCheck: what was seen to trip in ordinary use does not", "[sampl
     CHECK(guard.update(sample, {0, 0, 2}).newtons.z == 2);
 }
 
-TEST_CASE("SampleCheck: nothing trips at 3 m/s, whatever device, polling, jitter and stamps",
-          "[sample_check][law]") {
-    const auto check = [](const StreamOptions& o) {
-        const unsigned own = trips_of(o);
-        // The device's limits are narrower, and hold as well where stamps are as due.
-        const bool steady = o.delivery == Delivery::stalled_polls || o.delivery == Delivery::burst ||
-                            o.delivery == Delivery::late_stamps;
-        const unsigned device = steady ? trips_of(o, guard_limits({.rate = o.rate})) : 0;
-        if (own == 0 && device == 0) return;
-        CAPTURE(to_string(o.delivery), o.rate, o.polls, o.jitter, o.speed, o.stall_in);
-        CHECK(own == 0);
-        CHECK(device == 0);
-    };
-    for (const Delivery delivery : all_deliveries) {
-        for (const double rate : {100.0, 125.0, 200.0, 333.0, 500.0, 1000.0}) {
-            for (const double polls : {500.0, 1000.0, 4000.0, 8000.0}) {
-                for (const double jitter : {0.0, 0.003, 0.005, 0.01}) {
-                    for (const double speed : {0.002, 0.3, 3.0}) {
-                        for (const int stall_in : {3, 50}) {
-                            check({.delivery = delivery,
-                                   .rate = rate,
-                                   .polls = polls,
-                                   .jitter = jitter,
-                                   .speed = speed,
-                                   .seconds = 0.5,
-                                   .stall_in = stall_in,
-                                   .seed = 3});
-                        }
-                    }
-                }
+namespace {
+
+void check_no_trips(const StreamOptions& o) {
+    const unsigned own = trips_of(o);
+    // The device's limits are narrower. They hold for any polling where stamps are as due, and else for a device that is
+    // polled no slower than it samples, by a clock that ticks within max_gap.
+    const GuardLimits limits = guard_limits({.rate = o.rate});
+    const bool steady = o.delivery == Delivery::stalled_polls || o.delivery == Delivery::burst ||
+                        o.delivery == Delivery::late_stamps;
+    const bool ticks = o.delivery != Delivery::coarse_clock || limits.max_gap > 1.0 / 64;
+    const bool meant = steady || (o.polls >= o.rate && ticks);
+    const unsigned device = meant ? trips_of(o, limits) : 0;
+    if (own == 0 && device == 0) return;
+    CAPTURE(to_string(o.delivery), o.rate, o.polls, o.jitter, o.speed, o.reaches, o.stall_in);
+    CHECK(own == 0);
+    CHECK(device == 0);
+}
+
+/// Any jitter, speed and stall, of a hand that moves evenly, and of one that reaches.
+void check_hands(StreamOptions options) {
+    for (const double jitter : {0.0, 0.003, 0.005, 0.01}) {
+        for (const double speed : {0.002, 0.3, 3.0}) {
+            for (const int stall_in : {3, 50}) {
+                options.jitter = jitter, options.speed = speed, options.stall_in = stall_in;
+                options.reaches = false;
+                check_no_trips(options);
+                options.reaches = true;
+                if (speed >= 0.1) check_no_trips(options);
             }
         }
     }
 }
 
+} // namespace
+
+TEST_CASE("SampleCheck: nothing trips at 3 m/s, whatever device, polling, jitter and stamps",
+          "[sample_check][law]") {
+    for (const Delivery delivery : all_deliveries) {
+        for (const double rate : {100.0, 125.0, 200.0, 333.0, 500.0, 1000.0}) {
+            for (const double polls : {500.0, 1000.0, 4000.0, 8000.0}) {
+                check_hands({.delivery = delivery, .rate = rate, .polls = polls, .seconds = 0.5, .seed = 3});
+            }
+        }
+    }
+}
+
+TEST_CASE("SampleCheck: samples that each come up to 10 ms late do not trip at 3 m/s",
+          "[sample_check][regression]") {
+    // Two delays after each other: the place is farther on than the times between its changes tell.
+    for (const double polls : {1000.0, 4000.0, 8000.0}) {
+        for (const double rate : {500.0, 1000.0}) {
+            for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+                const StreamOptions late{.delivery = Delivery::late_arrival,
+                                         .rate = rate,
+                                         .polls = polls,
+                                         .jitter = 0.01,
+                                         .seconds = 1,
+                                         .seed = seed};
+                CAPTURE(rate, polls, seed);
+                CHECK(trips_of(late) == 0);
+                CHECK(trips_of(late, guard_limits({.rate = rate})) == 0);
+            }
+        }
+    }
+}
+
+namespace {
+
+struct Fault {
+    const char* name;
+    GuardTrip trip;
+    std::function<void(DeviceSample&, glm::dvec3&, bool&)> put_in;
+};
+const Fault all_faults[] = {
+    {"force NaN", GuardTrip::bad_force, [](auto&, auto& f, auto&) { f.y = make_nan(); }},
+    {"force infinite", GuardTrip::bad_force, [](auto&, auto& f, auto&) { f.x = -make_infinity(); }},
+    {"place NaN", GuardTrip::bad_sample, [](auto& s, auto&, auto&) { s.position.z = make_nan(); }},
+    {"place infinite", GuardTrip::bad_sample, [](auto& s, auto&, auto&) { s.position.x = make_infinity(); }},
+    {"time NaN", GuardTrip::bad_sample, [](auto& s, auto&, auto&) { s.time = make_nan(); }},
+    {"refused", GuardTrip::device_fault, [](auto& s, auto&, auto&) { s.force_refused = true; }},
+    {"buried", GuardTrip::buried, [](auto&, auto&, auto& buried) { buried = true; }},
+    {"stall", GuardTrip::stale, [](auto& s, auto&, auto&) { s.time += 0.3; }},
+    {"clock set back", GuardTrip::stale, [](auto& s, auto&, auto&) { s.time -= 0.05; }},
+    {"clock at 0", GuardTrip::stale, [](auto& s, auto&, auto&) { s.time = 0; }},
+    {"jump", GuardTrip::jump, [](auto& s, auto&, auto&) { s.position.y += 0.2; }},
+    {"far jump", GuardTrip::jump, [](auto& s, auto&, auto&) { s.position.z -= 1e9; }},
+};
+
+/// The fault trips a guard that has seen six sevenths of the stream, in the same update and as what it is.
+void check_fault(const Fault& fault, const std::vector<DeviceSample>& stream, const GuardLimits& limits) {
+    ForceGuard guard{limits};
+    const std::size_t at = stream.size() * 6 / 7;
+    for (std::size_t n = 0; n < at; ++n) (void)guard.update(stream[n], asked);
+    REQUIRE(trips(guard) == 0);
+    auto broken = stream[at];
+    auto force = asked;
+    bool buried = false;
+    fault.put_in(broken, force, buried);
+    const auto result = guard.update(broken, force, buried);
+    CAPTURE(fault.name);
+    CHECK(result.trip == fault.trip);
+    CHECK(is_zero(result.newtons));
+    CHECK(guard.counts().trips[static_cast<int>(fault.trip)] == 1);
+}
+
+/// After the stream: the same sample over and over, and time that goes backwards.
+void check_stuck_clocks(const std::vector<DeviceSample>& stream) {
+    ForceGuard guard;
+    for (const auto& sample : stream) (void)guard.update(sample, asked);
+    ForceGuard backwards = guard;
+    auto sample = stream.back();
+    GuardedForce result;
+    for (int n = 0; n <= guard.limits().max_repeats; ++n) result = guard.update(sample, asked);
+    CHECK(result.trip == GuardTrip::repeated);
+    for (int n = 0; n < 22; ++n) {
+        sample.time -= 0.001;
+        result = backwards.update(sample, asked);
+        if (result.trip == GuardTrip::stale) break;
+    }
+    CHECK(result.trip == GuardTrip::stale);
+}
+
+void check_all_faults(const StreamOptions& options) {
+    const auto stream = deliver(options);
+    // By the device's own limits, unless the clock's ticks are too far apart for them.
+    const bool fitted = options.delivery != Delivery::coarse_clock || options.rate <= 500;
+    CAPTURE(to_string(options.delivery), options.rate, options.speed);
+    for (const Fault& fault : all_faults) {
+        check_fault(fault, stream, {});
+        if (fitted) check_fault(fault, stream, guard_limits({.rate = options.rate}));
+    }
+    check_stuck_clocks(stream);
+}
+
+} // namespace
+
 TEST_CASE("SampleCheck: in every one of these streams a fault trips in its update", "[sample_check][law]") {
-    struct Fault {
-        const char* name;
-        GuardTrip trip;
-        std::function<void(DeviceSample&, glm::dvec3&, bool&)> put_in;
-    };
-    const Fault faults[] = {
-        {"force NaN", GuardTrip::bad_force, [](auto&, auto& f, auto&) { f.y = make_nan(); }},
-        {"force infinite", GuardTrip::bad_force, [](auto&, auto& f, auto&) { f.x = -make_infinity(); }},
-        {"place NaN", GuardTrip::bad_sample, [](auto& s, auto&, auto&) { s.position.z = make_nan(); }},
-        {"place infinite", GuardTrip::bad_sample,
-         [](auto& s, auto&, auto&) { s.position.x = make_infinity(); }},
-        {"time NaN", GuardTrip::bad_sample, [](auto& s, auto&, auto&) { s.time = make_nan(); }},
-        {"refused", GuardTrip::device_fault, [](auto& s, auto&, auto&) { s.force_refused = true; }},
-        {"buried", GuardTrip::buried, [](auto&, auto&, auto& buried) { buried = true; }},
-        {"stall", GuardTrip::stale, [](auto& s, auto&, auto&) { s.time += 0.3; }},
-        {"clock set back", GuardTrip::stale, [](auto& s, auto&, auto&) { s.time -= 0.05; }},
-        {"clock at 0", GuardTrip::stale, [](auto& s, auto&, auto&) { s.time = 0; }},
-        {"jump", GuardTrip::jump, [](auto& s, auto&, auto&) { s.position.y += 0.2; }},
-        {"far jump", GuardTrip::jump, [](auto& s, auto&, auto&) { s.position.z -= 1e9; }},
-    };
     for (const Delivery delivery : all_deliveries) {
         for (const double rate : {100.0, 1000.0}) {
             for (const double speed : {0.0, 0.002, 3.0}) {
-                const auto stream = deliver({.delivery = delivery,
-                                             .rate = rate,
-                                             .jitter = 0.01,
-                                             .speed = speed,
-                                             .seconds = 0.7,
-                                             .stall_in = 5,
-                                             .seed = 4});
-                for (const auto& [name, trip, put_in] : faults) {
-                    ForceGuard guard;
-                    const std::size_t at = stream.size() * 6 / 7;
-                    for (std::size_t n = 0; n < at; ++n) (void)guard.update(stream[n], asked);
-                    REQUIRE(trips(guard) == 0);
-                    auto broken = stream[at];
-                    auto force = asked;
-                    bool buried = false;
-                    put_in(broken, force, buried);
-                    const auto result = guard.update(broken, force, buried);
-                    CAPTURE(to_string(delivery), rate, speed, name);
-                    CHECK(result.trip == trip);
-                    CHECK(is_zero(result.newtons));
-                    CHECK(guard.counts().trips[static_cast<int>(trip)] == 1);
-                }
-
-                // The same sample over and over, and time that goes backwards.
-                ForceGuard guard;
-                for (const auto& sample : stream) (void)guard.update(sample, asked);
-                ForceGuard backwards = guard;
-                auto sample = stream.back();
-                GuardedForce result;
-                for (int n = 0; n <= guard.limits().max_repeats; ++n) result = guard.update(sample, asked);
-                CHECK(result.trip == GuardTrip::repeated);
-                for (int n = 0; n < 22; ++n) {
-                    sample.time -= 0.001;
-                    result = backwards.update(sample, asked);
-                    if (result.trip == GuardTrip::stale) break;
-                }
-                CHECK(result.trip == GuardTrip::stale);
+                check_all_faults({.delivery = delivery,
+                                  .rate = rate,
+                                  .jitter = 0.01,
+                                  .speed = speed,
+                                  .seconds = 0.7,
+                                  .stall_in = 5,
+                                  .seed = 4});
             }
         }
     }
@@ -203,6 +255,61 @@ TEST_CASE("SampleCheck: an encoder in slow motion and a hand at rest do not make
         place.z = limits.max_step + limits.max_speed * limits.max_gap + 1e-4; // 10 cm
         CHECK(check.update(limits, 5, place).jump);
     }
+}
+
+namespace {
+
+/// m: the longest move that is no jump, after two seconds of a hand at `speed`, which this changes.
+double longest_move(const GuardLimits& limits, const StreamOptions& options) {
+    const auto stream = deliver(options);
+    SampleCheck check;
+    std::size_t n = 0;
+    for (; n + 1 < stream.size(); ++n) (void)check.update(limits, stream[n].time, stream[n].position);
+    double shortest = 0, longest = 1;
+    for (int k = 0; k < 30; ++k) {
+        const double middle = (shortest + longest) / 2;
+        SampleCheck copy = check;
+        const glm::dvec3 place = stream[n].position + glm::dvec3{0, middle, 0};
+        (copy.update(limits, stream[n].time, place).jump ? longest : shortest) = middle;
+    }
+    return longest;
+}
+
+} // namespace
+
+TEST_CASE("SampleCheck: a jump from rest is one of the device's own period, however often it is asked",
+          "[sample_check][regression]") {
+    // After a rest all the time since the place changed last was the hand's to move in: at 1 kHz up to 61 mm in an update, at
+    // 100 Hz 151 mm.
+    for (const double rate : {100.0, 200.0, 500.0, 1000.0}) {
+        for (const double polls : {rate, 4000.0, 8000.0}) {
+            const StreamOptions at_rest{.rate = rate, .polls = polls, .speed = 0};
+            CAPTURE(rate, polls);
+            CHECK(longest_move(guard_limits({.rate = rate}), at_rest) ==
+                  Approx(0.001 + 5 / rate).epsilon(1e-3));
+            // A period that nobody tells, and that no move teaches, may be as long as max_gap.
+            CHECK(longest_move({}, at_rest) == Approx(0.101).epsilon(1e-3));
+        }
+    }
+    // A slow hand on a device that is asked eight times a sample teaches no more than a rest does.
+    const StreamOptions slow{.rate = 1000, .polls = 8000, .speed = 0.05};
+    CHECK(longest_move(guard_limits({.rate = 1000}), slow) == Approx(0.006).epsilon(1e-3));
+    CHECK(longest_move({}, slow) == Approx(0.101).epsilon(1e-3));
+}
+
+TEST_CASE("SampleCheck: a move that is no jump to the guard reaches the motors by the slew",
+          "[sample_check]") {
+    // The longest that trips nothing, 100 mm into the ground: what it may do is turn the force up by max_slew.
+    ForceGuard guard;
+    double before = 0;
+    for (int n = 0; n < 1020; ++n) {
+        const double z = n < 1000 ? 0.0 : -0.1;
+        const auto result = guard.update({.time = 1 + 0.001 * n, .position = {0, 0, z}}, {0, 0, -500 * z});
+        CHECK(result.trip == GuardTrip::none);
+        CHECK(result.newtons.z <= before + guard.limits().max_slew + 1e-9);
+        before = result.newtons.z;
+    }
+    CHECK(before == Approx(guard.limits().max_force));
 }
 
 TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its first move came about",

@@ -355,7 +355,7 @@ private:
         tell_fault();
         // In long double it takes a hundred times as long as the update itself. Where the stylus was is in any case kept.
         if (tame_ && (work_->updates % 4 == 0 || c.status != was_)) {
-            judge(stylus, before.contact, c);
+            judge(stylus, before, c);
         } else {
             remember(stylus, c);
         }
@@ -408,7 +408,7 @@ private:
         return was;
     }
 
-    void judge(const vec3<T>& stylus, const Contact<T>& before, const Contact<T>& c) {
+    void judge(const vec3<T>& stylus, const Moment& last, const Contact<T>& c) {
         const bool solid = options_.surface == SurfaceKind::solid;
         const TrackerOptions ample;
         const bool limited = options_.max_patches < ample.max_patches ||
@@ -425,7 +425,7 @@ private:
         if (c.patches < 0) fail("less than no work", c);
         if (c.touching() != tracker().state().touching()) fail("touching, and then not", c);
         if (c.touching()) {
-            judge_contact(q, before, c, solid);
+            judge_contact(q, last, c, solid);
             if (c.status == ContactStatus::descent_limit) {
                 if (!worked && !open.loops) fail("ran out of work", c);
                 const Wide over = c.side == Side::below ? -above : above;
@@ -472,7 +472,7 @@ private:
         }
     }
 
-    void judge_contact(const Point& q, const Contact<T>& before, const Contact<T>& c, bool solid) {
+    void judge_contact(const Point& q, const Moment& last, const Contact<T>& c, bool solid) {
         const WideSurfacePoint at = wide(c.point);
         if (!(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1)) fail("proxy outside its cell", c);
         if (!surface_.patch(at.i, at.j)) fail("proxy on no patch", c);
@@ -512,8 +512,10 @@ private:
             sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
-        if (before.touching()) {
-            const WideSurfacePoint from = wide(before.point);
+        // A search from a released minimum that is under way goes on to where the stylus is now: what it comes to is another
+        // contact, and may be farther.
+        if (last.contact.touching() && last.state.phase != TrackerPhase::releasing) {
+            const WideSurfacePoint from = wide(last.contact.point);
             if (surface_.patch(from.i, from.j)) {
                 const Wide began = length(surface_.position(from) - q), ended = length(offset);
                 const Wide rounding = (4 + c.patches) * (4 * eps<T> * began + 4 * blur);

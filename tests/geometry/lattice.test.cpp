@@ -30,6 +30,33 @@ TEST_CASE("lattice: a range holds its first cell and not its last", "[lattice]")
     STATIC_REQUIRE_FALSE(CellRange{}.contains({0, 0}));
 }
 
+namespace {
+template <class To, class... From>
+concept MadeOf = requires(From... from) {
+    To{from...};
+};
+template <class A, class B>
+concept Comparable = requires(A a, B b) {
+    a == b;
+};
+} // namespace
+
+TEST_CASE("lattice: a vertex is not a cell and a range of vertices not one of cells", "[lattice]") {
+    using hfh::Vertex, hfh::VertexRange;
+    STATIC_REQUIRE(VertexRange{}.empty());
+    STATIC_REQUIRE(VertexRange{{1, 2}, {1, 5}}.empty());
+    STATIC_REQUIRE(VertexRange{{1, 2}, {5, 2}}.empty());
+    STATIC_REQUIRE_FALSE(VertexRange{{1, 2}, {2, 3}}.empty());
+    STATIC_REQUIRE(Comparable<Vertex, Vertex>);
+    STATIC_REQUIRE_FALSE(Comparable<Vertex, Cell>);
+    STATIC_REQUIRE(MadeOf<VertexRange, Vertex, Vertex>);
+    STATIC_REQUIRE_FALSE(MadeOf<VertexRange, Cell, Cell>);
+    STATIC_REQUIRE_FALSE(MadeOf<CellRange, Vertex, Vertex>);
+    STATIC_REQUIRE_FALSE(MadeOf<Vertex, Cell>);
+    STATIC_REQUIRE_FALSE(MadeOf<Cell, Vertex>);
+    STATIC_REQUIRE_FALSE(MadeOf<VertexRange, CellRange>);
+}
+
 TEST_CASE("lattice: an endless range ends where a double no longer counts halves of cells", "[lattice]") {
     constexpr CellRange range = CellRange::endless();
     STATIC_REQUIRE(range.contains({0, 0}));

@@ -1,4 +1,5 @@
 #include "../catch.hpp"
+#include "../support/presses.hpp"
 #include "fake_hd.hpp"
 
 #include "openhaptics.hpp"
@@ -734,8 +735,10 @@ TEST_CASE("phantom: a calibration while pressed takes the force back first, and 
     for (std::size_t n = 1; n < up.size(); ++n) {
         CAPTURE(n, up[n - 1], up[n]);
         if (up[n] - up[n - 1] > slew + 1e-12) CHECK(up[n] - up[n - 1] <= slew + 1e-12);
-        // Before the calibration it falls as slowly as it comes: 3.3 N in half a second, and a margin.
-        if (up[n - 1] - up[n] > 0.01) CHECK(up[n - 1] - up[n] <= 0.01);
+        // Before the calibration it falls as slowly as it comes: 3.3 N in half a second, and a margin. The hand itself stops
+        // before that, and the coupling's damper of ¾·400 N/m · 0.05 mm goes.
+        const double most = n < 1300 ? 0.0151 : 0.01;
+        if (up[n - 1] - up[n] > most) CHECK(up[n - 1] - up[n] <= most);
     }
     CHECK(up[1999] == Approx(1.55).epsilon(0.01));
     const auto calls = static_cast<std::size_t>(hd.updates) - samples.size(); // updates without a tick
@@ -877,16 +880,48 @@ struct Walk {
         while (at != mm) {
             const glm::dvec3 way = mm - at;
             at = glm::length(way) <= 0.1 ? mm : at + way * (0.1 / glm::length(way));
-            time += 0.001;
-            const auto command = scene({.time = time, .position = at / 1000.0});
-            steepest_rise = std::max(steepest_rise, glm::length(command.newtons) - felt);
-            felt = glm::length(command.newtons);
+            feel(scene);
         }
+        feel(scene); // at rest: the spring without the coupling's damper
         (void)scene.show(shown);
+    }
+
+    template <class Scene>
+    void feel(Scene& scene) {
+        time += 0.001;
+        const auto command = scene({.time = time, .position = at / 1000.0});
+        steepest_rise = std::max(steepest_rise, glm::length(command.newtons) - felt);
+        felt = glm::length(command.newtons);
     }
 };
 
 } // namespace
+
+TEST_CASE("phantom: a hand that presses the terrain gets no energy from it", "[phantom][regression]") {
+    // By the spring alone 0.26 mJ at 0.1 m/s, and 0.69 at 0.2 m/s.
+    const std::vector<float> flat(21 * 21, 100.0f);
+    const BilinearGrid<double, HeightView<float>> grid{HeightView{flat.data(), 21, 21},
+                                                       {.spacing = {10, 10}}};
+    const DeviceCapabilities& able = simulated_touch.capabilities;
+    for (const double speed : {0.02, 0.1, 0.2}) {
+        phantom::Scene scene{grid,
+                             {.scale = 1000, .offset = {100, 100, 100}},
+                             phantom::stiffness_for(able),
+                             phantom::limits_for(able)};
+        const Presses presses{.depth = 0.01, .speed = speed};
+        double time = 0;
+        for (; time < 0.6; time += 0.001) (void)scene({.time = time, .position = {0, 0, 0.002}}); // the ramp
+        const auto felt =
+            press_wall(simulated_touch, {}, presses, 3, 400, [&](const glm::dvec3& at, const glm::dvec3&) {
+                time += 0.001;
+                return scene({.time = time, .position = at}).newtons;
+            });
+        CAPTURE(speed, felt.lowest);
+        CHECK(felt.lowest >= -1e-4);
+        CHECK(felt.most > 1);
+        CHECK(scene.counts().held_back == 0);
+    }
+}
 
 TEST_CASE("phantom: over the rim of a map without more, and under it: nothing is felt, and it is told",
           "[phantom][regression]") {

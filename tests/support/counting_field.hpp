@@ -21,7 +21,7 @@ public:
         ++looks_;
         return field_->patch(cell);
     }
-    [[nodiscard]] bool corners_below(const Cell (&corners)[6],
+    [[nodiscard]] bool corners_below(const Vertex (&corners)[6],
                                      Scalar z) const noexcept requires CorneredHeightField<Field> {
         ++looks_;
         return field_->corners_below(corners, z);

@@ -51,10 +51,12 @@ inline constexpr Delivery all_deliveries[] = {
 
 struct StreamOptions {
     Delivery delivery = Delivery::stalled_polls;
-    double rate = 1000;           ///< Hz: of the device
-    double polls = 8000;          ///< Hz: of the host
-    double jitter = 0;            ///< s, at most
-    double speed = 3;             ///< m/s, to and fro over 20 cm
+    double rate = 1000;  ///< Hz: of the device
+    double polls = 8000; ///< Hz: of the host
+    double jitter = 0;   ///< s, at most
+    double speed = 3;    ///< m/s, to and fro over 20 cm
+    /// In place of that: over 40 cm and back, as hands reach (least jerk), with rests between; `speed` is the fastest.
+    bool reaches = false;
     double resolution = 0.055e-3; ///< m; 0: none
     double seconds = 2;
     double start = 100; ///< s: of the stamps
@@ -146,10 +148,21 @@ private:
         out_.push_back({.time = o_.start + time, .position = {0.01, -0.02, hand(taken_at(k))}});
     }
     [[nodiscard]] double hand(double t) const {
+        const double z = o_.reaches ? reach(t) : to_and_fro(t);
+        return o_.resolution > 0 ? std::round(z / o_.resolution) * o_.resolution : z;
+    }
+    [[nodiscard]] double to_and_fro(double t) const {
         constexpr double half = 0.1; // m
         const double way = std::fmod(o_.speed * t, 4 * half);
-        const double z = way < 2 * half ? way - half : 3 * half - way;
-        return o_.resolution > 0 ? std::round(z / o_.resolution) * o_.resolution : z;
+        return way < 2 * half ? way - half : 3 * half - way;
+    }
+    [[nodiscard]] double reach(double t) const {
+        constexpr double length = 0.4, rest = 0.15;     // m, s
+        const double lasts = 1.875 * length / o_.speed; // s: the fastest is 15/8 of the mean
+        const double one = rest + lasts, u = std::fmod(t, 2 * one);
+        const double s = std::clamp((std::fmod(u, one) - rest) / lasts, 0.0, 1.0);
+        const double part = s * s * s * (10 - 15 * s + 6 * s * s);
+        return length * (u < one ? part : 1 - part);
     }
     [[nodiscard]] double taken_at(long k) const { return static_cast<double>(k) * period_ + phase_; }
     [[nodiscard]] long newest(double t) const {

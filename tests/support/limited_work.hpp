@@ -215,13 +215,13 @@ private:
         }
         return found;
     }
-    /// On its way too: but not off the rim of a hole, and for a stylus on the surface but for roundings both are right. A
-    /// face holds a stylus that is inside of it as long as the proxy slides over it.
+    /// On its way too: but not off the rim of the grid or of a hole, and for a stylus on the surface but for roundings both
+    /// are right. A face holds a stylus that is inside of it as long as the proxy slides over it.
     void check_force(const Contact<T>& c, const Unlimited& unlimited) {
         if (!judges_rest || unlimited.contact.depth > 0 || is_on_its_way(unlimited.contact)) return;
         const Wide over = surface_above(stylus_), unseen = std::isnan(over) ? Wide(0) : roundings(stylus_);
         const bool held = dot(wide(c.penetration), wide(c.normal)) > 0;
-        if (is_on_its_way(c) && (holes_ || held || std::abs(over) <= unseen)) return;
+        if (is_on_its_way(c) && (holes_ || held || std::isnan(over) || std::abs(over) <= unseen)) return;
         const Wide of_the_proxy = c.depth > 0 ? roundings(c.proxy) : Wide(0);
         if (static_cast<Wide>(c.depth) > std::max(unseen, of_the_proxy))
             note("a force where unlimited work gives none");

@@ -20,6 +20,7 @@ using hfh::GridStatus;
 using hfh::HeightView;
 using hfh::Index;
 using hfh::MissingValue;
+using hfh::Vertex;
 using hfh::test::Random;
 
 namespace {
@@ -455,7 +456,7 @@ TEMPLATE_PRODUCT_TEST_CASE(
             for (Index j = 0; j < h - 1 - dj; ++j) {
                 for (Index i = 0; i < w - 1 - di; ++i) {
                     const Index k = i + di, m = j + dj;
-                    const Cell beside[]{{i, j}, {i, j + 1}, {k, j}, {k, j + 1}, {k + 1, j}, {k + 1, j + 1}},
+                    const Vertex beside[]{{i, j}, {i, j + 1}, {k, j}, {k, j + 1}, {k + 1, j}, {k + 1, j + 1}},
                         above[]{{i, j}, {i + 1, j}, {i, m}, {i + 1, m}, {i, m + 1}, {i + 1, m + 1}};
                     const auto& six = di > 0 ? beside : above;
                     const auto one = grid.patch({i, j}), other = grid.patch({k, m});
@@ -496,7 +497,7 @@ TEMPLATE_TEST_CASE("bilinear_grid: no number is below anything, whichever corner
         for (int at = 0; at < 4; ++at) {
             S samples[]{1, 2, 3, 4};
             const BilinearGrid<double, Trusting<S>> grid{Trusting<S>{samples}, {}};
-            const Cell six[]{{0, 0}, {1, 0}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
+            const Vertex six[]{{0, 0}, {1, 0}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
             CHECK(grid.corners_below(six, 5));
             samples[at] = static_cast<S>(bad);
             CHECK_FALSE(grid.patch({0, 0}));

@@ -89,8 +89,8 @@ TEMPLATE_TEST_CASE("DilatedField: over a plane it is the plane, r along its norm
                 for (Index j = 8 * finer; j < 16 * finer; ++j) {
                     for (Index i = 8 * finer; i < 16 * finer; ++i) {
                         const double z = 5 + along_x * double(i) / finer + along_y * double(j) / finer + lift;
-                        REQUIRE(field.height(i, j));
-                        CHECK(double(*field.height(i, j)) == Approx(z).margin(200 * double(epsilon<T>)));
+                        REQUIRE(field.height({i, j}));
+                        CHECK(double(*field.height({i, j})) == Approx(z).margin(200 * double(epsilon<T>)));
                     }
                 }
             }
@@ -124,7 +124,7 @@ bool check_vertex(const Terrain<T>& ground, const Field& field, Index i, Index j
     const Wide x = static_cast<Wide>(ground.frame.origin.x) + static_cast<Wide>(i) * surface.dx() / finer;
     const Wide y = static_cast<Wide>(ground.frame.origin.y) + static_cast<Wide>(j) * surface.dy() / finer;
     const auto wanted = search_centre(surface, x, y, static_cast<Wide>(r), samples);
-    const auto found = field.height(i, j);
+    const auto found = field.height({i, j});
     if (!wanted || !found) {
         CHECK_FALSE(wanted);
         return false;
@@ -201,8 +201,8 @@ TEMPLATE_TEST_CASE(
         CHECK(there > 300);
         CHECK((beyond > 0) == (r > 0.5));
         CHECK(field.patch({9, 9}).has_value() == (r > 1));
-        CHECK(field.height(-static_cast<Index>(2 * r), 8).has_value());
-        CHECK_FALSE(field.height(-static_cast<Index>(2 * r) - 1, 8).has_value());
+        CHECK(field.height({-static_cast<Index>(2 * r), 8}).has_value());
+        CHECK_FALSE(field.height({-static_cast<Index>(2 * r) - 1, 8}).has_value());
     }
 }
 
@@ -301,7 +301,10 @@ TEMPLATE_TEST_CASE("DilatedField: the tracker keeps its promise: a tip that was 
         const DilatedField field{grid, r};
         // The raised surface once more, as samples: what the reference reads.
         auto raised = terrain<T>(
-            ground.columns, ground.rows, [&](Index i, Index j) { return double(*field.height(i, j)); },
+            ground.columns, ground.rows,
+            [&](Index i, Index j) {
+                return double(*field.height({i, j}));
+            },
             ground.frame);
         const Surface<T> surface{raised};
         ProxyTracker tracker{field};
@@ -336,12 +339,12 @@ TEMPLATE_TEST_CASE("DilatedField: an edit of the ground is felt at once", "[dila
     auto ground = plane<T>(9, 9);
     const auto grid = ground.grid();
     const DilatedField field{grid, T(1)};
-    CHECK(*field.height(3, 4) == T(1));
+    CHECK(*field.height({3, 4}) == T(1));
     ground.at(4, 4) = T(2);
-    CHECK(*field.height(4, 4) == T(3));
-    CHECK(*field.height(3, 4) > T(2)); // the ball leans on the peak's edge
+    CHECK(*field.height({4, 4}) == T(3));
+    CHECK(*field.height({3, 4}) > T(2)); // the ball leans on the peak's edge
     ground.remove(4, 4);
-    CHECK(*field.height(4, 4) == T(0)); // it sinks to its equator in a hole as wide as itself
+    CHECK(*field.height({4, 4}) == T(0)); // it sinks to its equator in a hole as wide as itself
 }
 
 TEST_CASE("DilatedField: keeps a pointer, a radius and a number", "[dilated_field]") {

@@ -15,6 +15,7 @@
 #include <vector>
 
 using hfh::BilinearGrid;
+using hfh::Block;
 using hfh::BoundedGrid;
 using hfh::Cell;
 using hfh::CellRange;
@@ -26,6 +27,7 @@ using hfh::MinMaxPyramid;
 using hfh::MissingValue;
 using hfh::PyramidStatus;
 using hfh::SampleRange;
+using hfh::VertexRange;
 using hfh::test::Random;
 
 namespace {
@@ -56,7 +58,7 @@ constexpr Index block_side(int level) {
 
 /// The corners of the patches in the block, one by one: what the concept says that a range is.
 template <class Field, class Grid>
-HeightRange<typename Field::Scalar> by_patches(const Grid& grid, int level, Cell block) {
+HeightRange<typename Field::Scalar> by_patches(const Grid& grid, int level, Block block) {
     using T = typename Field::Scalar;
     constexpr T lowest = std::numeric_limits<T>::lowest(), highest = std::numeric_limits<T>::max();
     const Index side = block_side<typename Grid::SampleType>(level);
@@ -86,13 +88,13 @@ bool same(const HeightRange<T>& a, const HeightRange<T>& b) {
 
 /// How many ranges of a block with one of its neighbours, on two sides, are not what bounds both, or nothing.
 template <class Field>
-Index wrong_beside(const Field& field, int level, Cell block,
+Index wrong_beside(const Field& field, int level, Block block,
                    const HeightRange<typename Field::Scalar>& wanted) {
     using T = typename Field::Scalar;
     const Index side = block_side<typename Field::Grid::SampleType>(level);
     const Cell end = field.cells().end;
     Index wrong = 0;
-    for (const Cell other : {Cell{block.i + 1, block.j}, Cell{block.i, block.j + 1}}) {
+    for (const Block other : {Block{block.i + 1, block.j}, Block{block.i, block.j + 1}}) {
         if (other.i * side >= end.i || other.j * side >= end.j) continue;
         const auto beside = by_patches<Field>(field.grid(), level, other);
         const HeightRange<T> both{std::min(wanted.lowest, beside.lowest),
@@ -383,7 +385,7 @@ TEMPLATE_TEST_CASE("min_max_pyramid: after an edit an update of the samples equa
         for (int edit = 0; edit < 20; ++edit) {
             // Brushes of all sizes, some of them partly or wholly beside the terrain.
             const Index reach = edit % 4 == 0 ? 120 : 12;
-            CellRange brush{{random.whole(-10, w), random.whole(-10, h)}, {}};
+            VertexRange brush{{random.whole(-10, w), random.whole(-10, h)}, {}};
             brush.end = {brush.begin.i + random.whole(0, reach), brush.begin.j + random.whole(0, reach)};
             const S height = static_cast<S>(random.whole(0, 120));
             for (Index j = std::max<Index>(0, brush.begin.j); j < std::min(h, brush.end.j); ++j) {
@@ -425,7 +427,7 @@ TEST_CASE("min_max_pyramid: an update reads the blocks under the brush and no ot
     const Index once = in_row * in_row;
     const Index for_all = reads;
     CHECK(for_all >= once);
-    const auto cost = [&](const CellRange& brush) {
+    const auto cost = [&](const VertexRange& brush) {
         reads = 0;
         bounds.update(heights, brush);
         return reads;
@@ -543,8 +545,8 @@ TEMPLATE_TEST_CASE("min_max_pyramid: says why it bounds nothing, and the surface
     CHECK_FALSE(nothing(field.block_range(0, {4, 3}, {4, 2})));
     CHECK_FALSE(field.bounds().range(0, {4, 3}).holed());
     constexpr Index far = std::numeric_limits<Index>::max(), near = std::numeric_limits<Index>::min();
-    for (const Cell beside :
-         {Cell{5, 0}, Cell{0, 4}, Cell{-1, 0}, Cell{0, -1}, Cell{far, far}, Cell{near, 0}}) {
+    for (const Block beside :
+         {Block{5, 0}, Block{0, 4}, Block{-1, 0}, Block{0, -1}, Block{far, far}, Block{near, 0}}) {
         CHECK(field.bounds().range(0, beside).holed());
     }
     for (const int level : {-1, 3, std::numeric_limits<int>::max()}) {
@@ -585,8 +587,8 @@ TEMPLATE_TEST_CASE("min_max_pyramid: builds, updates and answers without allocat
     CHECK(after == before);
     CHECK(range.highest == 900);
     using Field = decltype(field);
-    STATIC_REQUIRE(noexcept(field.build())&& noexcept(field.update(CellRange{})));
-    STATIC_REQUIRE(noexcept(field.block_range(0, Cell{}, Cell{}))&& noexcept(field.levels()));
+    STATIC_REQUIRE(noexcept(field.build())&& noexcept(field.update(VertexRange{})));
+    STATIC_REQUIRE(noexcept(field.block_range(0, Block{}, Block{}))&& noexcept(field.levels()));
     STATIC_REQUIRE(std::is_trivially_copyable_v<Field>);
     STATIC_REQUIRE(hfh::BoundedHeightField<Field>);
     STATIC_REQUIRE(hfh::BoundedHeightField<const Field>);
@@ -661,6 +663,59 @@ TEMPLATE_TEST_CASE("min_max_pyramid: a tracker over a grid with bounds feels wha
     }
     CHECK(same == 4000);
     CHECK(touching > 500);
+}
+
+namespace {
+/// Which calls compile with a place or a range of a type.
+template <class Field, class Range>
+concept UpdatesGrid = requires(Field field, Range samples) {
+    field.update(samples);
+};
+template <class Field, class Range>
+concept UpdatesPyramid = requires(const Field& field, typename Field::Bounds bounds, Range samples) {
+    bounds.update(field.grid().heights(), samples);
+};
+template <class Field, class Place>
+concept BoundsPatches = requires(const Field& field, Place place) {
+    field.block_range(0, place, place);
+};
+template <class Field, class Place>
+concept BoundsSamples = requires(const Field& field, Place place) {
+    field.bounds().range(0, place);
+};
+template <class Field, class Place>
+concept HasPatch = requires(const Field& field, Place place) {
+    field.patch(place);
+};
+template <class Field, class Place>
+concept ComparesCorners = requires(const Field& field, const Place (&places)[6]) {
+    field.corners_below(places, 0);
+};
+
+/// Bounds that take cells for blocks.
+struct BoundsOfCells : BoundedGrid<float, HeightView<float>> {
+    [[nodiscard]] HeightRange<float> block_range(int, Cell, Cell) const noexcept;
+};
+} // namespace
+
+TEST_CASE("min_max_pyramid: a cell does not pass for a vertex nor for a block", "[bounds]") {
+    using hfh::Vertex;
+    using Field = BoundedGrid<float, HeightView<float>>;
+    STATIC_REQUIRE(UpdatesGrid<Field, VertexRange>);
+    STATIC_REQUIRE_FALSE(UpdatesGrid<Field, CellRange>);
+    STATIC_REQUIRE(UpdatesPyramid<Field, VertexRange>);
+    STATIC_REQUIRE_FALSE(UpdatesPyramid<Field, CellRange>);
+    STATIC_REQUIRE(BoundsPatches<Field, Block>);
+    STATIC_REQUIRE_FALSE(BoundsPatches<Field, Cell>);
+    STATIC_REQUIRE(BoundsSamples<Field, Block>);
+    STATIC_REQUIRE_FALSE(BoundsSamples<Field, Cell>);
+    STATIC_REQUIRE(HasPatch<Field, Cell>);
+    STATIC_REQUIRE_FALSE(HasPatch<Field, Block>);
+    STATIC_REQUIRE_FALSE(HasPatch<Field, Vertex>);
+    STATIC_REQUIRE(ComparesCorners<Field, Vertex>);
+    STATIC_REQUIRE_FALSE(ComparesCorners<Field, Cell>);
+    STATIC_REQUIRE(hfh::BoundedHeightField<Field>);
+    STATIC_REQUIRE_FALSE(hfh::BoundedHeightField<BoundsOfCells>);
 }
 
 TEMPLATE_TEST_CASE("min_max_pyramid: bounds real terrains, with holes and without", "[bounds][law]", float,

@@ -14,6 +14,7 @@
 
 using glm::dvec2;
 using glm::dvec3;
+using hfh::Block;
 using hfh::Cell;
 using hfh::FirstHitOptions;
 using hfh::HitStatus;
@@ -44,7 +45,7 @@ struct Counting {
     }
     static constexpr int block_bits = 4;
     [[nodiscard]] hfh::HeightRange<Scalar>
-    block_range(int level, Cell one, Cell other) const noexcept requires hfh::BoundedHeightField<Field> {
+    block_range(int level, Block one, Block other) const noexcept requires hfh::BoundedHeightField<Field> {
         static_assert(block_bits == Field::block_bits);
         ++*blocks;
         return field.block_range(level, one, other);
@@ -71,9 +72,9 @@ struct Strict : Field {
     using Scalar = typename Field::Scalar;
     using Field::Field;
 
-    [[nodiscard]] hfh::HeightRange<Scalar> block_range(int level, Cell one, Cell other) const noexcept {
+    [[nodiscard]] hfh::HeightRange<Scalar> block_range(int level, Block one, Block other) const noexcept {
         const Index side = Index{1} << (Field::block_bits + 2 * level);
-        const auto exists = [&](Cell block) {
+        const auto exists = [&](Block block) {
             return level >= 0 && level < this->levels() &&
                    this->cells().contains({block.i * side, block.j * side});
         };

@@ -687,3 +687,52 @@ TEMPLATE_TEST_CASE("first_hit: going on from where the limit stopped finds the s
     CHECK(resumed > 1'000);
     CHECK(hits > 1'000);
 }
+
+TEMPLATE_TEST_CASE("first_hit: a search in pieces leaves the surface as one search does",
+                   "[first_hit][law][limited]", float, double) {
+    using T = TestType;
+    constexpr double rounding = 0.05;
+    Random random{71};
+    int still_leaving = 0, hits = 0, misses = 0;
+    for (int n = 0; n < 4000; ++n) {
+        // Steps that a segment stays on, and ridges and pits.
+        const auto ground = hfh::test::terrain<T>(8, 7, [&](Index, Index) {
+            return random.one_in(6) ? random.between(-1, 1) : random.between(-0.04, 0.04);
+        });
+        const auto grid = ground.grid();
+        const dvec2 place = somewhere(random, ground, -0.5);
+        const Cell cell{static_cast<Index>(place.x), static_cast<Index>(place.y)};
+        const double z = static_cast<double>(grid.patch(cell)->height(
+            static_cast<T>(place.x - std::floor(place.x)), static_cast<T>(place.y - std::floor(place.y))));
+        const dvec3 a{place, z}, b{somewhere(random, ground, 0.5), random.between(-0.1, 0.1)};
+        FirstHitOptions options{.surface = n % 2 == 0 ? SurfaceKind::solid : SurfaceKind::sheet,
+                                .side = n % 3 == 0 ? Side::below : Side::above,
+                                .leaves_within = rounding};
+        const auto whole = first_hit(grid, a, b, options);
+
+        options.max_cells = random.whole(1, 4);
+        CAPTURE(n, options.max_cells, a.x, a.y, a.z, b.x, b.y, b.z);
+        dvec3 from = a;
+        auto found = first_hit(grid, from, b, options);
+        for (int casts = 1; found.status == HitStatus::cell_limit; ++casts) {
+            REQUIRE(casts < 100);
+            still_leaving += found.leaving;
+            from = from + found.t * (b - from);
+            options.side = found.side;
+            options.leaves_within = found.leaving ? rounding : -1;
+            found = first_hit(grid, from, b, options);
+        }
+        REQUIRE(found.status == whole.status);
+        REQUIRE(found.side == whole.side);
+        if (found.status == HitStatus::hit) {
+            ++hits;
+            CHECK(std::abs(from.x + found.t * (b.x - from.x) - a.x - whole.t * (b.x - a.x)) < 1e-9);
+        } else {
+            ++misses;
+            CHECK(found.t == 1);
+        }
+    }
+    CHECK(still_leaving > 1'000);
+    CHECK(hits > 500);
+    CHECK(misses > 500);
+}

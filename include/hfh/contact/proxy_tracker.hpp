@@ -33,8 +33,8 @@ enum class TrackerPhase : unsigned char {
     free,      ///< the surface has been searched up to the stylus
     searching, ///< free, but the search has not got to the stylus
     contact,   ///< the proxy is at a minimum, which holds the stylus
-    sliding, ///< in contact, and the proxy is on its way, or rests at a minimum that holds the stylus by rounding only
-    releasing ///< at a minimum that does not hold the stylus: the way to it is searched, and not to its end yet
+    sliding, ///< in contact, and the proxy is on its way; or it rests at a minimum that was released, for none is nearer
+    releasing ///< in contact, the proxy at a released minimum: the way to the stylus is searched, and not to its end yet
 };
 
 /// Everything a tracker remembers: a trivially copyable value, to be saved, restored or sent to another thread.
@@ -45,17 +45,20 @@ template <Real T>
 struct TrackerState {
     /// The stylus; searching and releasing: up to where the surface has been searched.
     glm::dvec3 swept_to{0.0};
-    SurfacePoint<T> proxy{};       ///< in contact: the proxy
+    SurfacePoint<T> proxy{}; ///< in contact: the proxy; searching, if `after_release`: the released minimum
     DescentProgress<T> progress{}; ///< sliding: of the descent to this stylus
-    /// |proxy − stylus|² in m² at the released minimum: releasing, and sliding and searching if `past_release`.
+    /// |proxy − stylus|² in m² at the released minimum: releasing, and sliding and searching if `after_release`.
     T released_squared{};
     Side side = Side::none;        ///< in contact: the side that is felt; free: the side the stylus is on
     Side search_side = Side::none; ///< releasing: the side on which the search is
     TrackerPhase phase = TrackerPhase::unseen;
-    bool past_release =
-        false; ///< sliding and searching: a minimum that did not hold this stylus has been released
-    /// Sliding, if `past_release`: the way from that minimum to the stylus goes in at once.
-    bool enters_at_once = false;
+    /// Sliding and searching: a minimum that did not hold this stylus was released on the way here.
+    bool after_release = false;
+    /// Sliding, if `after_release`: the segment from that minimum to the stylus crosses the surface within rounding of its
+    /// start.
+    bool reenters_at_once = false;
+    /// Releasing and searching: the search has not got off the surface at the released minimum yet.
+    bool leaving = false;
 
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
@@ -109,9 +112,9 @@ private:
 
     /// What an update has done and may still do.
     struct Work {
-        int patches;       ///< looked at so far
-        int slide;         ///< over how many the proxy may still slide
-        bool past_release; ///< a minimum that does not hold this stylus has been released
+        int patches;        ///< looked at so far
+        int slide;          ///< over how many the proxy may still slide
+        bool after_release; ///< a minimum that does not hold this stylus was released on the way here
     };
 
     // The ways through an update, in the order in which it takes them.
@@ -124,15 +127,16 @@ private:
                                                                 int patches) noexcept;
     /// In contact, with something left to do from the last update.
     [[nodiscard, gnu::noinline]] Contact<Scalar> resume_contact(const vec3<Scalar>& stylus) noexcept;
-    /// Slides the proxy, and goes on as `settle` does.
+    /// Slides the proxy, and goes on as `finish_slide` does.
     [[nodiscard]] Contact<Scalar> slide(const vec3<Scalar>& stylus, DescentProgress<Scalar> progress,
                                         Work work) noexcept;
     /// Goes on where a slide has come to `found` and not to a minimum that holds the stylus: keeps the contact for now,
     /// slides over another face that is between the proxy and the stylus, or ends the contact. Each minimum that is released
     /// is nearer to the stylus than the one before, but for rounding.
-    [[nodiscard, gnu::noinline]] Contact<Scalar> settle(const vec3<Scalar>& stylus,
-                                                        DescentResult<Scalar> found,
-                                                        DescentProgress<Scalar> progress, Work work) noexcept;
+    [[nodiscard, gnu::noinline]] Contact<Scalar> finish_slide(const vec3<Scalar>& stylus,
+                                                              DescentResult<Scalar> found,
+                                                              DescentProgress<Scalar> progress,
+                                                              Work work) noexcept;
 
     // What they do: each cast returns what it found, and these write it down.
 
@@ -142,12 +146,15 @@ private:
     /// where it ended if it was cut short.
     [[nodiscard, gnu::noinline]] FirstHit<Scalar> search_beyond(const vec3<Scalar>& stylus, int max_cells,
                                                                 Work& work) noexcept;
+    /// Within how many metres of the surface a search from a released minimum lies on it, until it has got off; < 0: it has.
+    [[nodiscard]] double leaves_within(const vec3<Scalar>& stylus) const noexcept;
     /// `found` does not hold the stylus: the way from there is searched from now on.
     void release(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) noexcept;
     /// The proxy is on the face that was hit.
     void enter_face(const FirstHit<Scalar>& hit, Phase phase) noexcept;
-    /// After a search from a minimum that came to no other face: free, or, if it was cut short and the stylus has the surface
-    /// over it, still in contact. Inlined, for on its own GCC 12 compiles it to other bytes after other headers.
+    /// After a search from a released minimum that came to no other face: free, or, if it was cut short and the stylus has the
+    /// surface over it, still in contact. Inlined, so that what GCC 12 makes of an update does not depend on what else was
+    /// included before.
     [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus,
                                                                   const FirstHit<Scalar>& hit,
                                                                   const DescentResult<Scalar>& found,
@@ -164,8 +171,8 @@ private:
 
     /// Whether the stylus is inside of the face at the point that was found.
     [[nodiscard]] bool holds(const DescentResult<Scalar>& found) const noexcept;
-    /// Whether the stylus has the surface right above it (felt from below: right below it), by more than rounding. While
-    /// the proxy is on its way the plane at it does not tell, for the stylus is far from there.
+    /// Whether the stylus has the surface right above it (felt from below: right below it), by more than rounding. Asked while
+    /// the proxy is on its way: the surface at the proxy is then too far from the stylus to decide that.
     [[nodiscard, gnu::noinline]] bool has_surface_over(const vec3<Scalar>& stylus) const noexcept;
     /// Whether the point that was found is as far from the stylus as the minimum that was released, but for rounding.
     [[nodiscard]] bool is_as_far_as_released(const DescentResult<Scalar>& found) const noexcept;
@@ -226,19 +233,24 @@ template <HeightField Field>
 auto ProxyTracker<Field>::search(const vec3<Scalar>& stylus) noexcept -> Contact<Scalar> {
     const glm::dvec3 from = state_.swept_to, to = widen(stylus);
     const bool went_on = state_.phase == Phase::searching;
-    const auto hit = cast(from, to, {.side = state_.side}, work_allowed());
+    state_.leaving = went_on && state_.leaving;
+    const auto hit =
+        cast(from, to, {.side = state_.side, .leaves_within = leaves_within(stylus)}, work_allowed());
     const int patches = static_cast<int>(hit.cells);
     if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
     if (hit.status == HitStatus::cell_limit) {
-        state_.past_release = went_on && state_.past_release;
+        state_.after_release = went_on && state_.after_release;
         state_.swept_to = point_on_segment(from, to, hit.t);
+        state_.leaving = hit.leaving;
         return keep_searching(hit.side, stylus, patches);
     }
-    const bool past_release = went_on && state_.past_release && is_as_far_as_released(look_at_proxy(stylus));
-    state_.enters_at_once = false;
+    const bool after_release =
+        went_on && state_.after_release && is_as_far_as_released(look_at_proxy(stylus));
+    state_.reenters_at_once = false;
     enter_face(hit, Phase::contact);
-    if (past_release) return slide(stylus, {}, {patches, slide_allowance(to, stylus), true});
-    // The way of one update counts for the slide; behind a search that was cut short lies more.
+    if (after_release) return slide(stylus, {}, {patches, slide_allowance(to, stylus), true});
+    // How far the proxy may slide goes by how far the stylus moved in this update. `swept_to` is farther back than that where
+    // the search was cut short.
     if (went_on) state_.swept_to = to;
     return update_contact(stylus, patches);
 }
@@ -255,7 +267,7 @@ auto ProxyTracker<Field>::update_contact(const vec3<Scalar>& stylus, int patches
         state_.proxy = found.point;
         return make_contact(stylus, found, ContactStatus::contact, true, patches + found.patches);
     }
-    return settle(stylus, found, progress, work);
+    return finish_slide(stylus, found, progress, work);
 }
 
 template <HeightField Field>
@@ -265,12 +277,12 @@ auto ProxyTracker<Field>::resume_contact(const vec3<Scalar>& stylus) noexcept ->
         state_.phase = Phase::contact;
         return update_contact(stylus, 0);
     }
-    Work work{0, slide_allowance(to, stylus), state_.past_release};
+    Work work{0, slide_allowance(to, stylus), state_.after_release};
     if (state_.phase == Phase::sliding) return slide(stylus, state_.progress, work);
 
     const auto released = look_at_proxy(stylus);
-    work.past_release = is_as_far_as_released(released); // else this is another stylus
-    state_.enters_at_once = false;
+    work.after_release = is_as_far_as_released(released); // else this is another stylus
+    state_.reenters_at_once = false;
     const auto hit = search_beyond(stylus, work_allowed(), work);
     if (hit.status != HitStatus::hit) return end_release(stylus, hit, released, work.patches);
     enter_face(hit, Phase::sliding);
@@ -281,12 +293,13 @@ template <HeightField Field>
 auto ProxyTracker<Field>::slide(const vec3<Scalar>& stylus, DescentProgress<Scalar> progress,
                                 Work work) noexcept -> Contact<Scalar> {
     const auto found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
-    return settle(stylus, found, progress, work);
+    return finish_slide(stylus, found, progress, work);
 }
 
 template <HeightField Field>
-auto ProxyTracker<Field>::settle(const vec3<Scalar>& stylus, DescentResult<Scalar> found,
-                                 DescentProgress<Scalar> progress, Work work) noexcept -> Contact<Scalar> {
+auto ProxyTracker<Field>::finish_slide(const vec3<Scalar>& stylus, DescentResult<Scalar> found,
+                                       DescentProgress<Scalar> progress, Work work) noexcept
+    -> Contact<Scalar> {
     for (;;) {
         work.patches += found.patches;
         work.slide -= found.patches;
@@ -305,12 +318,13 @@ auto ProxyTracker<Field>::settle(const vec3<Scalar>& stylus, DescentResult<Scala
         }
         // A minimum that is as far as the one released before: the same one, and there is no better. (It is never farther,
         // unless the ground was edited.)
-        const bool settled = minimum && work.past_release && is_as_far_as_released(found);
-        if (!minimum || settled) {
+        const bool arrived = minimum && work.after_release && is_as_far_as_released(found);
+        if (!minimum || arrived) {
             state_.phase = Phase::sliding;
             state_.progress = minimum ? DescentProgress<Scalar>{} : progress;
-            state_.past_release = work.past_release;
-            const bool felt = holds(found) || (settled && state_.enters_at_once) || has_surface_over(stylus);
+            state_.after_release = work.after_release;
+            const bool felt =
+                holds(found) || (arrived && state_.reenters_at_once) || has_surface_over(stylus);
             return make_contact(stylus, found,
                                 minimum ? ContactStatus::contact : ContactStatus::descent_limit, felt,
                                 work.patches);
@@ -318,16 +332,18 @@ auto ProxyTracker<Field>::settle(const vec3<Scalar>& stylus, DescentResult<Scala
 
         // Outside this face: free, unless another one lies between.
         release(stylus, found);
-        work.past_release = true;
+        work.after_release = true;
         auto hit = search_beyond(stylus, slide_allowed(work), work);
+        // Then the search has gone a sixteenth of a cell at least (`FirstHitOptions::max_cells`), and is not at its start.
+        const bool cut_short = hit.status == HitStatus::cell_limit;
         // A stylus that has the surface over it is not free: it is searched for with all that is allowed.
-        if (hit.status == HitStatus::cell_limit && work.patches < work_allowed() && has_surface_over(stylus))
+        if (cut_short && work.patches < work_allowed() && has_surface_over(stylus))
             hit = search_beyond(stylus, work_allowed() - work.patches, work);
         if (hit.status != HitStatus::hit) return end_release(stylus, hit, found, work.patches);
 
         enter_face(hit, Phase::sliding);
-        state_.enters_at_once =
-            hit.t * std::sqrt(widen(state_.released_squared)) <= widen(rounding_bound(found));
+        state_.reenters_at_once =
+            !cut_short && hit.t * std::sqrt(widen(state_.released_squared)) <= widen(rounding_bound(found));
         progress = {};
         found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
     }
@@ -342,9 +358,8 @@ auto ProxyTracker<Field>::cast(const glm::dvec3& from, const glm::dvec3& to, Fir
 }
 
 template <HeightField Field>
-auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cells, Work& work) noexcept
-    -> FirstHit<Scalar> {
-    const glm::dvec3 from = state_.swept_to, to = widen(stylus);
+double ProxyTracker<Field>::leaves_within(const vec3<Scalar>& stylus) const noexcept {
+    if (!state_.leaving) return -1;
     // The segment begins on the surface, as far as the proxy is on it.
     Scalar off_surface = 0;
     if (const auto patch = field_->patch(state_.proxy.cell)) {
@@ -354,13 +369,20 @@ auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cell
                                   DistanceFunction<Scalar>{*patch, seen}.gap(at.u, at.v)};
         off_surface = rounding_bound(offset, *patch);
     }
-    const double leaves_within = widen(off_surface) + 8 * epsilon<double> * std::abs(to.z);
-    const auto hit =
-        cast(from, to, {.side = state_.search_side, .leaves_within = leaves_within}, glm::max(1, max_cells));
+    return widen(off_surface) + 8 * epsilon<double> * std::abs(widen(stylus.z));
+}
+
+template <HeightField Field>
+auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cells, Work& work) noexcept
+    -> FirstHit<Scalar> {
+    const glm::dvec3 from = state_.swept_to, to = widen(stylus);
+    const auto hit = cast(from, to, {.side = state_.search_side, .leaves_within = leaves_within(stylus)},
+                          glm::max(1, max_cells));
     work.patches += static_cast<int>(hit.cells);
     if (hit.status == HitStatus::cell_limit) {
         state_.swept_to = point_on_segment(from, to, hit.t);
         state_.search_side = hit.side;
+        state_.leaving = hit.leaving;
     }
     return hit;
 }
@@ -371,7 +393,8 @@ void ProxyTracker<Field>::release(const vec3<Scalar>& stylus, const DescentResul
     state_.swept_to = widen(stylus) + widen(found.offset);
     state_.search_side = state_.side;
     state_.released_squared = glm::dot(found.offset, found.offset);
-    state_.past_release = true;
+    state_.after_release = true;
+    state_.leaving = true;
 }
 
 template <HeightField Field>
@@ -415,7 +438,7 @@ template <HeightField Field>
 auto ProxyTracker<Field>::release_at_rim(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept
     -> Contact<Scalar> {
     const glm::dvec3 here = widen(stylus);
-    const auto hit = cast(here, here, {}, 1); // tells the side
+    const auto hit = cast(here, here, {}, 1); // for the side that the stylus is on
     Contact<Scalar> left = set_free(hit.side, stylus, patches + static_cast<int>(hit.cells));
     left.status =
         rim == DescentStatus::off_border ? ContactStatus::left_at_border : ContactStatus::left_at_hole;
@@ -455,7 +478,10 @@ bool ProxyTracker<Field>::has_surface_over(const vec3<Scalar>& stylus) const noe
 template <HeightField Field>
 bool ProxyTracker<Field>::is_as_far_as_released(const DescentResult<Scalar>& found) const noexcept {
     if (found.status == DescentStatus::off_hole) return false; // edited away
-    const Scalar rounding = rounding_bound(found);
+    // A stylus on the surface is as far from it as u and v are rounded.
+    const glm::dvec2 spacing = field_->lattice().spacing();
+    const Scalar rounding =
+        rounding_bound(found) + 8 * epsilon<Scalar> * static_cast<Scalar>(spacing.x + spacing.y);
     const auto nearer = [rounding](Scalar one, Scalar other) {
         return one < other - rounding * (2 * std::sqrt(other) + rounding);
     };

@@ -52,9 +52,21 @@ struct GuardedForce {
 ///
 /// A falling force reduces what is owed, so a force that only trembles owes nothing.
 ///
-/// A spring on the tracker's contact is never held back, at any speed and also where a ridge releases the proxy: after an
-/// update the proxy is no farther from the stylus than before it plus the hand's motion. (With friction, on ground that
-/// is rough from cell to cell, it is farther now and then.) Only max_slew limits how fast a force turns or falls.
+/// Turns: a force that turns without growing is either a change of the scene or a hand that slid over a ridge. The sample
+/// and the force do not tell which, and on rough ground the force turns by newtons from one update to the next: if such
+/// turns were held back, the ground would go soft. So a turn comes at once, by the slew, with one exception. While the
+/// place has been the same, to the bit, for max_gap, no hand turns the force. Then, if the force before had in the
+/// direction of this one more than max_sudden less than its length, it counts as rising from there:
+///
+///     rise = |clamped| − max(0, the clamped force before · the direction of this one)
+///
+/// A scene that turns the ground under a moving hand should bring the force down first: by `DeviceSample::release` until
+/// `released`, or by `restart` at once.
+///
+/// A spring on the tracker's contact is not held back, at any speed and also where a ridge releases the proxy: after an
+/// update the proxy is no farther from the stylus than before it plus the hand's motion. Now and then it is farther, on
+/// ground that is rough from cell to cell, with friction, or with limited work where the proxy glides past a face on which
+/// nothing is felt for an update. Only max_slew limits how fast a force falls.
 ///
 /// At the motor. The guard may be followed by links that change the force (a passivity controller, a driver's clamp) and by
 /// updates in which nothing is sent. It starts from what the motors got, which `DeviceSample::sent` or a call of `sent`
@@ -137,9 +149,10 @@ public:
 private:
     /// What happened between two updates.
     struct Step {
-        double passed = 0; ///< s since the sample before
-        double held = 0;   ///< s for which the motors have had the last force
-        double moved = 0;  ///< m
+        double passed = 0;   ///< s since the sample before
+        double held = 0;     ///< s for which the motors have had the last force
+        double moved = 0;    ///< m
+        bool rested = false; ///< the place has been the same for max_gap
     };
 
     static constexpr double latest = 0x1p64; ///< s: later than any sample
@@ -170,6 +183,7 @@ private:
         step.passed = told.passed;
         step.held = std::clamp(check_.time() - sent_at_, 0.0, told.passed);
         step.moved = told.moved;
+        step.rested = told.rested >= limits_.max_gap;
         // A told time later than this sample's is kept if a stamp out of order explains it; else it was for this update only.
         const double now = check_.time(), max_back = limits_.max_gap;
         sent_at_ = sent_at_ > now && sent_at_ - now <= max_back ? sent_at_ : now;
@@ -185,7 +199,8 @@ private:
         const double length = detail::norm(newtons);
         result.clamped = length > limits_.max_force;
         const double clamped = result.clamped ? limits_.max_force : length;
-        const double held = hold_back(clamped, step);
+        const double shortened = result.clamped ? clamped / length : 1.0;
+        const double held = hold_back(newtons * shortened, clamped, step);
         result.held_back = held > 0;
 
         const double change = ramp_in(step.passed);
@@ -206,32 +221,44 @@ private:
         counts_.slewed += result.slewed;
     }
 
-    /// N by which the force, of `length` N, has to be shorter in this update for its sudden rises.
-    [[nodiscard]] double hold_back(double length, const Step& step) noexcept {
+    /// N by which this force, of `length` N, has to be shorter in this update for its sudden rises.
+    [[nodiscard]] double hold_back(const glm::dvec3& newtons, double length, const Step& step) noexcept {
         if (fresh_ || !(limits_.ramp > 0)) {
             owed_ = unused_ = 0; // the ramp's factor limits the rise, or nothing does
         } else {
             const double paid = limits_.max_force * ramp_in(step.passed);
-            const double rise = length - asked_, made = limits_.stiffness * step.moved;
+            const double rise = length - asked_before(newtons, length, step.rested);
+            const double made = limits_.stiffness * step.moved;
             const double sudden = rise < 0 ? rise : std::max(0.0, rise - made - unused_);
             owed_ = std::clamp(std::max(0.0, owed_ - paid) + sudden, 0.0, length);
             unused_ = std::clamp(made - rise, 0.0, made);
         }
         fresh_ = false;
-        asked_ = length;
+        asked_ = newtons;
+        asked_length_ = length;
         return std::max(0.0, owed_ - limits_.max_sudden);
+    }
+
+    /// N from which this force rises: the length of the one before, or where no hand turned it, what that had along this one.
+    [[nodiscard]] double asked_before(const glm::dvec3& newtons, double length, bool rested) const noexcept {
+        if (!rested || !(length > 0)) return asked_length_;
+        const glm::dvec3 products = asked_ * newtons;
+        const double along = std::max(0.0, (products.x + products.y + products.z) / length);
+        return asked_length_ - along > limits_.max_sudden ? along : asked_length_;
     }
 
     GuardLimits limits_;
     GuardCounts counts_{};
     SampleCheck check_{};
-    glm::dvec3 sent_{0.0}; ///< N: what the motors got last
-    double sent_at_ = 0;   ///< s: the time of the update in which they did
-    double gain_ = 0;      ///< of the ramp, 0 to 1
-    double asked_ = 0;     ///< N: the length asked for last, at most max_force
-    double unused_ = 0;    ///< N: rise that the hand's last motion explains and that did not come
-    double owed_ = 0;      ///< N: of asked_, rise that no motion explains and the ramp has not yet brought
-    unsigned causes_ = 0;  ///< of the last update, as bits
+    glm::dvec3 sent_{0.0};    ///< N: what the motors got last
+    double sent_at_ = 0;      ///< s: the time of the update in which they did
+    double gain_ = 0;         ///< of the ramp, 0 to 1
+    glm::dvec3 asked_{0.0};   ///< N: asked for last, shortened to max_force
+    double asked_length_ = 0; ///< N: its length
+    double unused_ = 0;       ///< N: rise that the hand's last motion explains and that did not come
+    double owed_ =
+        0; ///< N: of what was asked for, rise that no motion explains and the ramp has not yet brought
+    unsigned causes_ = 0; ///< of the last update, as bits
     bool usable_, latched_ = false;
     bool fresh_ = true; ///< nothing was asked for before
 };

@@ -63,8 +63,9 @@ struct GuardLimits {
     /// `SampleCheck` derives two more times from it.
     double max_gap = 0.02;
     /// s between two samples of the device; 0: not told. A first guess, for its pace is learnt from the changes of the
-    /// position. Tell it where a slow device is asked often: there small moves between equal samples teach nothing, and
-    /// until it is known a jump is one of max_step + max_speed·max_gap only, 101 mm as these limits stand.
+    /// position. Tell it where a device is asked oftener than it samples: there small moves between equal samples teach
+    /// nothing, nor does a hand at rest, and until the pace is known a jump is one of max_step + max_speed·max_gap only,
+    /// 101 mm as these limits stand. Told 1 ms, a jump from rest is one of 6 mm.
     double period = 0;
     /// Updates in a row in which the sample's time does not go on, where the device stamps its samples and is asked faster
     /// than it samples: `max_gap` at 8 kHz. Stamps of the host's clock always go on: see `max_still`.

@@ -14,6 +14,7 @@ struct CheckedSample {
     bool stale = false, repeated = false, jump = false;
     double passed = 0; ///< s since the latest sample before; 0 if its time is not later
     double moved = 0;  ///< m since the sample before
+    double rested = 0; ///< s for which the place has been the same, to the bit
 };
 
 /// Checks samples one after the other: `stale`, `repeated`, `jump` as in `GuardTrip`.
@@ -29,8 +30,7 @@ struct CheckedSample {
 /// the rounding of two stamps count for nothing.
 ///
 /// Speed is measured between samples in which the place changes: a device that is polled faster than it samples tells the
-/// same place many times, and so does an encoder in slow motion. With s the time since the place changed last, at most
-/// window,
+/// same place many times, and so does an encoder in slow motion. With s the time since the place changed last,
 ///
 ///     jump:  moved > max_step + max_speed · min(max(s, P) + scatter, reserve)
 ///
@@ -42,11 +42,15 @@ struct CheckedSample {
 /// followed by one that seems early. Where the place changes at steady intervals, P becomes s and scatter 0.
 ///
 ///     scatter ← scatter · max(0, 1 − Δt/(6·window))                      with every sample, and after each change
-///     scatter ← max(|s − P|, scatter),  then  P ← P + (s − P)/16
+///     scatter ← max(2·|s − P|, scatter),  then  P ← P + (s − P)/16
 ///
-/// At first scatter is window, and P the device's period or, where that is not told, window as well. An interval
-/// teaches nothing where the place stayed the same in between and then changed by less than max_step, for that is a slow
-/// hand; nor does a sample that jumps or is stale.
+/// Twice, because two delays may follow each other, and only the first makes s longer. At first scatter is window, and P
+/// the device's period or, where that is not told, window as well.
+///
+/// Where samples came that told the same place and s is longer than window, the hand was at rest or slow: then s is the
+/// time since the sample before, and a jump from rest is one as well. Such an interval teaches nothing about P. Nor does one in
+/// which samples told the same place and which ends with a move of less than max_step, for that is a slow hand, nor a
+/// sample that jumps or is stale.
 ///
 /// Precondition: usable limits, tame numbers. Does not throw and does not allocate.
 class SampleCheck {
@@ -81,10 +85,12 @@ public:
         reserve_ = std::min(window, reserve_ + told.passed);
         scatter_ *= std::max(0.0, 1 - told.passed / (6 * window));
         if (position != position_) {
-            const double since = std::min(time_ - changed_at_, window);
+            const double unchanged = time_ - changed_at_;
+            const bool rested = waited_ && unchanged > window;
+            const double since = std::min(rested ? told.passed : unchanged, window);
             const double seconds = std::min(std::max(since, period_) + scatter_, reserve_);
             told.jump = told.moved > limits.max_step + limits.max_speed * seconds;
-            const bool sure = !waited_ || told.moved > limits.max_step;
+            const bool sure = !waited_ || (!rested && told.moved > limits.max_step);
             if (sure && !told.jump && !told.stale) learn(since);
             reserve_ = std::max(0.0, reserve_ - told.moved / limits.max_speed);
             waited_ = false;
@@ -93,7 +99,8 @@ public:
         } else {
             waited_ = true;
         }
-        const bool still = limits.max_still > 0 && time_ - changed_at_ > limits.max_still;
+        told.rested = time_ - changed_at_;
+        const bool still = limits.max_still > 0 && told.rested > limits.max_still;
         told.repeated = repeats_ > limits.max_repeats || still;
         return told;
     }
@@ -106,7 +113,7 @@ public:
 
 private:
     void learn(double since) noexcept {
-        scatter_ = std::max(std::abs(since - period_), scatter_);
+        scatter_ = std::max(2 * std::abs(since - period_), scatter_);
         period_ += (since - period_) / 16;
     }
 

@@ -37,7 +37,7 @@ struct DistanceFunction {
           dx2{patch.spacing.x * patch.spacing.x}, dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u},
           query_v{query.v} {
         // F_u = dx²(u − u_q) + σ_z·z_u. The product is good to a few roundings of the largest σ_z times the larger of
-        // the two edge slopes; and u itself has steps of an ulp, each worth F_uu. Where the patch is level along u
+        // the two edge slopes; and u itself has steps of an ulp, each of which changes F_u by F_uu ulps. Where the patch is level along u
         // there is neither: u = u_q is met to the bit.
         const T steepest_u = glm::max(std::abs(rise_u), std::abs(far_u));
         const T steepest_v = glm::max(std::abs(rise_v), std::abs(far_v));
@@ -65,7 +65,7 @@ struct DistanceFunction {
     };
     [[nodiscard, gnu::always_inline]] Value operator()(T u, T v) const noexcept {
         const T zu = slope_u(v), zv = slope_v(u), z = gap00 + u * rise_u + v * zv;
-        const T slopes = zu * zv, bend = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
+        const T slopes = zu * zv, twisted = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
         const T gauss_newton = dx2 * fvv + dy2 * zu * zu;
         return {.z = z,
                 .zu = zu,
@@ -74,9 +74,9 @@ struct DistanceFunction {
                 .fv = dy2 * (v - query_v) + z * zv,
                 .fuu = fuu,
                 .fvv = fvv,
-                .fuv = slopes + bend,
+                .fuv = slopes + twisted,
                 .gauss_newton = gauss_newton,
-                .determinant = gauss_newton - bend * (2 * slopes + bend)};
+                .determinant = gauss_newton - twisted * (2 * slopes + twisted)};
     }
 
     /// The u in [0, 1] that minimises F at this v, and the v at this u: F is a parabola along u and along v.
@@ -112,20 +112,20 @@ struct DistanceFunction {
 /// F along a straight step (du, dv) from a point, 0 ≤ s ≤ 1: the height is a parabola in s, and so
 ///
 ///     F(s) − F(0) = slope·s + square·s² + cube·s³ + fourth·s⁴
-///     slope = F_u du + F_v dv,  square = σ_z b + (dx² du² + dy² dv² + c²)/2,  cube = c b,  fourth = b²/2
+///     slope = F_u du + F_v dv,  square = σ_z q + (dx² du² + dy² dv² + c²)/2,  cube = c q,  fourth = q²/2
 ///
-/// with the climb c = z_u du + z_v dv and the bend b = A du dv of the height. All in m².
+/// with the linear part of the climb, c = z_u du + z_v dv, and its quadratic part, q = A du dv. All in m².
 template <Real T>
 struct StepProfile {
     T slope, square, cube, fourth;
 
     StepProfile(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& at, T du,
                 T dv) noexcept {
-        const T climb = at.zu * du + at.zv * dv, bend = distance.twist * du * dv;
+        const T linear = at.zu * du + at.zv * dv, quadratic = distance.twist * du * dv;
         slope = at.fu * du + at.fv * dv;
-        square = at.z * bend + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
-        cube = climb * bend;
-        fourth = bend * bend / 2;
+        square = at.z * quadratic + (distance.dx2 * du * du + distance.dy2 * dv * dv + linear * linear) / 2;
+        cube = linear * quadratic;
+        fourth = quadratic * quadratic / 2;
     }
 
     /// F(s) − F(0).

@@ -28,7 +28,7 @@ template <std::signed_integral I>
 
 } // namespace detail
 
-/// Cell (i, j) lies between samples (i, j) and (i+1, j+1).
+/// Cell (i, j) lies between vertices (i, j) and (i+1, j+1).
 struct Cell {
     Index i = 0;
     Index j = 0;
@@ -51,6 +51,21 @@ struct CellRange {
         constexpr Index far = detail::farthest_cell<Index>();
         return {{-far, -far}, {far, far}};
     }
+};
+
+/// Vertex (i, j) is where grid lines i and j cross: the place of sample (i, j), a corner of the cells (i−1, j−1) to (i, j).
+struct Vertex {
+    Index i = 0;
+    Index j = 0;
+    friend constexpr bool operator==(const Vertex&, const Vertex&) noexcept = default;
+};
+
+/// The vertices begin.i ≤ i < end.i, begin.j ≤ j < end.j.
+struct VertexRange {
+    Vertex begin{};
+    Vertex end{};
+
+    [[nodiscard]] constexpr bool empty() const noexcept { return end.i <= begin.i || end.j <= begin.j; }
 };
 
 /// A point in the parameters of one cell: u along x and v along y, in cells (0 ≤ u, v ≤ 1 inside), z in metres.

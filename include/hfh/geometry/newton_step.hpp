@@ -95,19 +95,20 @@ clipped_newton_step(const typename DistanceFunction<T>::Value& f, const vec2<T>&
 template <Real T>
 [[nodiscard, gnu::always_inline]] inline bool is_enough(const typename DistanceFunction<T>::Value& f,
                                                         T change, T scaled_rate) noexcept {
-    return 4 * change * f.fuu * f.fvv <= -scaled_rate;
+    return 4 * change * f.fuu * f.fvv < -scaled_rate;
 }
 
 /// How much of a Newton step to take so that F falls all along: 1, all of it, or up to the first minimum of F. 0 if F
-/// rises too soon. `slope` is F' at its begin; `tangent` and `bent` are the parts of the climb that are linear in the step
-/// and quadratic.
+/// rises too soon. `slope` is F' at its begin; `linear` and `quadratic` are the parts of the climb
+/// (`StepProfile`).
 template <Real T>
 [[nodiscard, gnu::always_inline]] inline T
 falling_part(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
-             const ClippedStep<T>& step, T slope, T tangent, T bent, T scaled_rate) noexcept {
+             const ClippedStep<T>& step, T slope, T linear, T quadratic, T scaled_rate) noexcept {
     // Along Newton's step, as far as it is taken, `StepProfile::square` is −taken·slope/2. So this is F' at the end, and
-    // F is convex all along if half of F″ at the start is more than the bend can take from it.
-    const T cube = tangent * bent, at_end = slope * (1 - step.taken) + (3 * cube + 2 * bent * bent);
+    // F is convex all along if half of F″ at the start is more than the climb's quadratic part can take from it.
+    const T cube = linear * quadratic,
+            at_end = slope * (1 - step.taken) + (3 * cube + 2 * quadratic * quadratic);
     const bool convex = 6 * cube >= step.taken * slope;
     if (!(at_end > 0) && convex) return T(1);
     // Mostly F' is convex, too, and the step a little too long: the chord of F' ends before the minimum.
@@ -127,25 +128,25 @@ template <Real T>
     if (!(f.determinant > f.gauss_newton / 2)) return NewtonStep::refused;
     const ClippedStep<T> step = clipped_newton_step<T>(f, at);
     const T du = step.du, dv = step.dv;
-    const T slope = f.fu * du + f.fv * dv, bent = distance.twist * du * dv;
-    const T tangent = f.zu * du + f.zv * dv, climb = tangent + bent;
+    const T slope = f.fu * du + f.fv * dv, quadratic = distance.twist * du * dv;
+    const T linear = f.zu * du + f.zv * dv, climb = linear + quadratic;
     const T change =
-        slope + f.z * bent + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
+        slope + f.z * quadratic + (distance.dx2 * du * du + distance.dy2 * dv * dv + climb * climb) / 2;
     const T scaled_rate = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
     const bool enough = is_enough(f, change, scaled_rate);
     if (!enough && (step.whole || !(slope < 0 && 4 * change <= slope))) return NewtonStep::refused;
     if (step.whole) {
         // F_u and F_v at the end of the step: rounding, and the terms that Eq. (11) does not hold, A dv ẑ + z_u A du dv and
         // A du ẑ + z_v A du dv with ẑ the change of height.
-        const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * bent);
-        const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * bent);
+        const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * quadratic);
+        const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * quadratic);
         if (2 * std::abs(left_u) < distance.gradient_error_u &&
             2 * std::abs(left_v) < distance.gradient_error_v) {
             at = step.to;
             return NewtonStep::arrived;
         }
     }
-    const T part = falling_part(distance, f, step, slope, tangent, bent, scaled_rate);
+    const T part = falling_part(distance, f, step, slope, linear, quadratic, scaled_rate);
     if (part < 1) {
         if (!(part > 0)) return NewtonStep::refused;
         at = {at.x + part * du, at.y + part * dv};

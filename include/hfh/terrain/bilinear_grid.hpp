@@ -86,12 +86,12 @@ public:
 
     /// Whether there are heights at all six corners, and all lie below z. See `CorneredHeightField`. Finds the lowest and
     /// the highest sample first and converts only these to metres, without a branch that depends on a sample.
-    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Cell (&corners)[6],
+    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Vertex (&corners)[6],
                                                                    T z) const noexcept {
         SampleType low = heights_(corners[0].i, corners[0].j), high = low;
         bool holes = false;
-        for (const Cell c : corners) {
-            const SampleType sample = heights_(c.i, c.j);
+        for (const Vertex corner : corners) {
+            const SampleType sample = heights_(corner.i, corner.j);
             holes |= heights_.missing(sample);
             if constexpr (std::is_floating_point_v<SampleType>) holes |= !is_finite(static_cast<T>(sample));
             low = sample < low ? sample : low;

@@ -283,7 +283,7 @@ public:
     /// See `MinMaxPyramid`; to be called before the first search and, with the samples of level 0 that changed, after each
     /// edit.
     constexpr PyramidStatus build() noexcept { return bounds_.build(this->source()); }
-    constexpr PyramidStatus update(const CellRange& samples) noexcept {
+    constexpr PyramidStatus update(const VertexRange& samples) noexcept {
         return bounds_.update(this->source(), samples);
     }
 
@@ -297,13 +297,13 @@ public:
     }
     /// The lowest and the highest sample of level 0 in the blocks of the pyramid in which these two lie: as large as they on
     /// even levels, twice as wide on odd ones. Precondition: there are such blocks.
-    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Cell one,
-                                                                           Cell other) const noexcept {
+    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Block one,
+                                                                           Block other) const noexcept {
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
         const int k = this->finer_level(), wanted = level + (k + 1) / 2, highest = bounds_.levels() - 1;
         // The highest block holds all.
-        const auto block = [&](Cell c) {
-            return wanted <= highest ? Cell{c.i >> (k & 1), c.j >> (k & 1)} : Cell{0, 0};
+        const auto block = [&](Block b) {
+            return wanted <= highest ? Block{b.i >> (k & 1), b.j >> (k & 1)} : Block{0, 0};
         };
         const auto range = bounds_.range(std::min(wanted, highest), block(one), block(other));
         if (range.holed()) return nothing;

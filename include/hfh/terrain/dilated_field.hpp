@@ -62,20 +62,20 @@ public:
     }
     [[nodiscard]] std::optional<BilinearPatch<Scalar>> patch(Cell c) const noexcept {
         if (!cells().contains(c)) return std::nullopt;
-        const auto z00 = height(c.i, c.j), z10 = height(c.i + 1, c.j);
-        const auto z01 = height(c.i, c.j + 1), z11 = height(c.i + 1, c.j + 1);
+        const auto z00 = height({c.i, c.j}), z10 = height({c.i + 1, c.j});
+        const auto z01 = height({c.i, c.j + 1}), z11 = height({c.i + 1, c.j + 1});
         if (!z00 || !z10 || !z01 || !z11) return std::nullopt;
         return BilinearPatch<Scalar>{*z00, *z10, *z01, *z11, vec2<Scalar>{lattice().spacing()}};
     }
 
-    /// z_r at vertex (i, j) of the fine lattice, in metres; empty if the ball touches nothing there.
-    [[nodiscard]] std::optional<Scalar> height(Index i, Index j) const noexcept {
-        const Cell home{coarse_line(i), coarse_line(j)};
+    /// z_r at a vertex of the fine lattice, in metres; empty if the ball touches nothing there.
+    [[nodiscard]] std::optional<Scalar> height(Vertex v) const noexcept {
+        const Cell home{coarse_line(v.i), coarse_line(v.j)};
         const vec2<Scalar> cell{field_->lattice().spacing()};
         // The ball's centre, in metres from the corner of the cell it is over.
         const vec2<Scalar> centre{
-            cell.x * static_cast<Scalar>(i - home.i * subdivisions_) / static_cast<Scalar>(subdivisions_),
-            cell.y * static_cast<Scalar>(j - home.j * subdivisions_) / static_cast<Scalar>(subdivisions_)};
+            cell.x * static_cast<Scalar>(v.i - home.i * subdivisions_) / static_cast<Scalar>(subdivisions_),
+            cell.y * static_cast<Scalar>(v.j - home.j * subdivisions_) / static_cast<Scalar>(subdivisions_)};
         // Cells that end or begin at the very end of the ball's reach are touched as well.
         const Cell begin{-cells_in((radius_ - centre.x) / cell.x) - 1,
                          -cells_in((radius_ - centre.y) / cell.y) - 1};

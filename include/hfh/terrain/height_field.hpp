@@ -30,15 +30,15 @@ concept HeightField = Real<typename F::Scalar>
     };
 // clang-format on
 
-/// A height field that compares corners with a height without making patches of them, so that a search passes over cells
-/// that lie below it. That pays where samples are stored, and not where each has to be computed. `corners_below(corners, z)`
-/// is whether all six are corners of patches and below z, to the bit. The six are the corners of two cells that share an
-/// edge, or of one cell with two of them twice. A cell of cells() has a patch exactly where its four corners have heights.
-/// Precondition: the cells are in cells().
+/// A height field that compares corners with a height without making patches of them, so that a search passes over
+/// cells that lie below it. That pays where samples are stored, and not where each has to be computed.
+/// `corners_below(corners, z)` is whether all six vertices are corners of patches and below z, to the bit. The six are
+/// the corners of two cells that share an edge, or of one cell with two of them twice. A cell of cells() has a patch
+/// exactly where its four corners have heights. Precondition: the cells are in cells().
 // clang-format off
 template <class F>
 concept CorneredHeightField = HeightField<F>
-    && requires(const F& field, const Cell (&corners)[6], typename F::Scalar z) {
+    && requires(const F& field, const Vertex (&corners)[6], typename F::Scalar z) {
         { field.corners_below(corners, z) } noexcept -> std::same_as<bool>;
     };
 // clang-format on
@@ -78,6 +78,13 @@ concept BlendedHeightField = HeightField<F>
     };
 // clang-format on
 
+/// Block (i, j) of a level: a square of cells. See `BoundedHeightField`, which says which cells it holds.
+struct Block {
+    Index i = 0;
+    Index j = 0;
+    friend constexpr bool operator==(const Block&, const Block&) noexcept = default;
+};
+
 /// Heights in metres between which a piece of surface lies.
 template <Real T>
 struct HeightRange {
@@ -90,13 +97,13 @@ struct HeightRange {
 ///     I·2ᵇ ≤ i < (I+1)·2ᵇ,  J·2ᵇ ≤ j < (J+1)·2ᵇ,  b = block_bits + 2 l,  0 ≤ l < levels()
 ///
 /// that are in cells(), and there is at least one; the one block of the highest level holds all. `block_range(l, a, b)`
-/// bounds the patches of two blocks that share a side, or of one block given twice. Where a cell of them has no patch the
-/// range is [lowest, max] of Scalar, which bounds nothing. Precondition: the blocks exist. With levels() = 0 nothing is
-/// bounded.
+/// bounds the patches of two `Block`s that share a side, or of one block given twice. Where a cell of them has no patch
+/// the range is [lowest, max] of Scalar, which bounds nothing. Precondition: the blocks exist. With levels() = 0
+/// nothing is bounded.
 // clang-format off
 template <class F>
 concept BoundedHeightField = HeightField<F>
-    && requires(const F& field, int level, Cell block) {
+    && requires(const F& field, int level, Block block) {
         { F::block_bits } -> std::convertible_to<int>;
         { field.levels() } noexcept -> std::same_as<int>;
         { field.block_range(level, block, block) } noexcept -> std::same_as<HeightRange<typename F::Scalar>>;

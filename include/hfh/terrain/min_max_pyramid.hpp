@@ -196,14 +196,16 @@ public:
     /// 0 if there is no cell; the same whether there is storage or not.
     [[nodiscard]] constexpr int levels() const noexcept { return levels_; }
     /// Bounds nothing where there is no such block, and if the status is not ok.
-    [[nodiscard]] constexpr Range range(int level, Cell block) const noexcept {
+    [[nodiscard]] constexpr Range range(int level, Block block) const noexcept {
         if (status_ != PyramidStatus::ok || level < 0 || level >= levels_) return {};
-        const CellRange blocks{{0, 0}, {level_[level].columns, level_[level].rows}};
-        return blocks.contains(block) ? at(level, block) : Range{};
+        const bool exists =
+            0 <= block.i && block.i < level_[level].columns && 0 <= block.j && block.j < level_[level].rows;
+        return exists ? at(level, block) : Range{};
     }
 
     /// Of two blocks together. Precondition: there are both, and the status is ok.
-    [[nodiscard, gnu::always_inline]] constexpr Range range(int level, Cell one, Cell other) const noexcept {
+    [[nodiscard, gnu::always_inline]] constexpr Range range(int level, Block one,
+                                                            Block other) const noexcept {
         return join(at(level, one), at(level, other));
     }
 
@@ -217,12 +219,12 @@ public:
         return update(heights, {{0, 0}, {columns_, rows_}});
     }
 
-    /// Makes the ranges anew that samples begin.i ≤ i < end.i, begin.j ≤ j < end.j touch, as far as there are such:
-    /// after an edit of them. Reads the blocks of these samples and no others: up to 4 for a brush no wider than a block,
-    /// then at most 16 ranges for each of as many or fewer blocks on every level.
+    /// Makes the ranges anew that these samples touch, as far as there are such: after an edit of them. Reads the blocks of
+    /// these samples and no others: up to 4 for a brush no wider than a block, then at most 16 ranges for each of as many
+    /// or fewer blocks on every level.
     template <HeightSource Heights>
         requires std::same_as<typename Heights::SampleType, S>
-    constexpr PyramidStatus update(const Heights& heights, const CellRange& samples) noexcept {
+    constexpr PyramidStatus update(const Heights& heights, const VertexRange& samples) noexcept {
         if (status_ != PyramidStatus::ok) return status_;
         if (heights.columns() != columns_ || heights.rows() != rows_) return PyramidStatus::other_size;
         // Sample i is a corner of the cells i − 1 and i.
@@ -230,8 +232,8 @@ public:
             {std::max<Index>(samples.begin.i, 1) - 1, std::max<Index>(samples.begin.j, 1) - 1},
             {std::min(samples.end.i, columns_ - 1), std::min(samples.end.j, rows_ - 1)}};
         if (samples.empty() || cells.empty()) return status_;
-        CellRange touched{{cells.begin.i >> block_bits, cells.begin.j >> block_bits},
-                          {((cells.end.i - 1) >> block_bits) + 1, ((cells.end.j - 1) >> block_bits) + 1}};
+        BlockRange touched{{cells.begin.i >> block_bits, cells.begin.j >> block_bits},
+                           {((cells.end.i - 1) >> block_bits) + 1, ((cells.end.j - 1) >> block_bits) + 1}};
         read_blocks(heights, touched);
         for (int level = 1; level < levels_; ++level) {
             touched = {{touched.begin.i / 4, touched.begin.j / 4},
@@ -244,6 +246,11 @@ public:
     }
 
 private:
+    /// The blocks begin.i ≤ i < end.i, begin.j ≤ j < end.j of a level.
+    struct BlockRange {
+        Block begin, end;
+    };
+
     /// Where its blocks are in `ranges_`, and how many there are.
     struct Level {
         Index start, columns, rows;
@@ -269,7 +276,7 @@ private:
         return count;
     }
 
-    [[nodiscard]] constexpr Range& at(int level, Cell block) const noexcept {
+    [[nodiscard]] constexpr Range& at(int level, Block block) const noexcept {
         return ranges_[level_[level].start + block.j * level_[level].columns + block.i];
     }
 
@@ -279,7 +286,7 @@ private:
         // Not `std::min`, which GCC makes a branch of.
         return {b.lowest < a.lowest ? b.lowest : a.lowest, a.highest < b.highest ? b.highest : a.highest};
     }
-    constexpr void join_below(int level, Cell block) noexcept {
+    constexpr void join_below(int level, Block block) noexcept {
         const Level& below = level_[level - 1];
         const Index i = 4 * block.i, j = 4 * block.j, end_i = std::min(i + 4, below.columns),
                     end_j = std::min(j + 4, below.rows);
@@ -292,7 +299,7 @@ private:
 
     /// Makes ranges of level 0, row after row of blocks, each in pieces that a strip holds.
     template <HeightSource Heights>
-    constexpr void read_blocks(const Heights& heights, const CellRange& wanted) noexcept {
+    constexpr void read_blocks(const Heights& heights, const BlockRange& wanted) noexcept {
         constexpr Index most = detail::ColumnStrip<S>::most_blocks;
         for (Index j = wanted.begin.j; j < wanted.end.j; ++j) {
             for (Index i = wanted.begin.i; i < wanted.end.i; i += most) {
@@ -301,11 +308,11 @@ private:
         }
     }
     template <HeightSource Heights>
-    constexpr void read_piece(const Heights& heights, Cell first, Index count) noexcept {
+    constexpr void read_piece(const Heights& heights, Block first, Index count) noexcept {
         read_rows(detail::SourceRows<Heights>{&heights, first.i * side}, first, count);
     }
     template <class Missing>
-    constexpr void read_piece(const HeightView<S, Missing>& heights, Cell first, Index count) noexcept {
+    constexpr void read_piece(const HeightView<S, Missing>& heights, Block first, Index count) noexcept {
         if constexpr (std::same_as<Missing, MissingValue<S>>) {
             // Few pieces have holes: read without asking, and again only if the value lies between the bounds.
             read_piece(
@@ -329,7 +336,7 @@ private:
         }
     }
     template <class Rows>
-    constexpr void read_rows(const Rows& rows, Cell first, Index count) noexcept {
+    constexpr void read_rows(const Rows& rows, Block first, Index count) noexcept {
         const Index columns = std::min(count * side + 1, columns_ - first.i * side);
         detail::ColumnStrip<S> strip;
         strip.read(rows, columns, first.j * side, std::min((first.j + 1) * side + 1, rows_));
@@ -371,7 +378,7 @@ public:
 
     /// See `MinMaxPyramid`; to be called before the first search and, with the samples that changed, after each edit.
     constexpr PyramidStatus build() noexcept { return bounds_.build(grid_.heights()); }
-    constexpr PyramidStatus update(const CellRange& samples) noexcept {
+    constexpr PyramidStatus update(const VertexRange& samples) noexcept {
         return bounds_.update(grid_.heights(), samples);
     }
 
@@ -380,7 +387,7 @@ public:
     [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         return grid_.patch(c);
     }
-    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Cell (&corners)[6],
+    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Vertex (&corners)[6],
                                                                    T z) const noexcept {
         return grid_.corners_below(corners, z);
     }
@@ -392,8 +399,8 @@ public:
     }
     /// The lowest and the highest corner of the patches of two blocks, or of one twice, to the bit. Precondition: there are
     /// such blocks.
-    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Cell one,
-                                                                           Cell other) const noexcept {
+    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Block one,
+                                                                           Block other) const noexcept {
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
         const auto range = bounds_.range(level, one, other);
         if (range.holed()) return nothing;

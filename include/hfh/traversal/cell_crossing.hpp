@@ -49,7 +49,7 @@ struct SegmentOverPatch {
           f_in{z_in - over.height(in.x, in.y)}, f_out{z_out - over.height(out.x, out.y)} {}
 
     /// The coefficient a of s².
-    [[nodiscard]] double bend() const noexcept {
+    [[nodiscard]] double quadratic() const noexcept {
         const glm::dvec2 step = out - in;
         return -patch.twist() * step.x * step.y;
     }
@@ -60,7 +60,7 @@ struct SegmentOverPatch {
     /// is over this cell at one point only.
     [[nodiscard]] Side side_of_sheet() const noexcept {
         if (f_in != 0) return side_of_solid();
-        const double a = bend();
+        const double a = quadratic();
         const double way = f_out != a ? f_out - a : a; // f'(0), or f″(0)/2 where that is 0
         if (way == 0) return Side::none;
         return way >= 0 ? Side::above : Side::below;
@@ -69,7 +69,7 @@ struct SegmentOverPatch {
     /// Goes to the first point after which the segment is no longer on `side`; false if it stays there to the end.
     [[nodiscard]] bool go_to_crossing(Side side) noexcept {
         const double sign = sign_of(side);
-        const double s = first_descent(glm::max(sign * f_in, 0.0), sign * f_out, sign * bend());
+        const double s = first_descent(glm::max(sign * f_in, 0.0), sign * f_out, sign * quadratic());
         if (s > 1) return false;
         in += s * (out - in);
         t_in += s * (t_out - t_in);

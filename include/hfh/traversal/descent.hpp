@@ -148,18 +148,20 @@ struct SteepestPatch {
     [[nodiscard]] bool leads_down() const noexcept { return rate > 0; }
 };
 
-/// Takes the neighbour's patch for the steepest if it is steeper. Returns the descent rates into it, −1 if there is none.
+/// Compares the neighbour's patch with the steepest so far, and keeps the steeper. Returns the descent rates into it, −1 if
+/// there is none.
 template <HeightField Field, Real T>
-[[gnu::always_inline]] inline vec2<T> consider(const Field& field, const vec3<T>& query,
-                                               const SurfacePoint<T>& at, Neighbour n,
-                                               SteepestPatch<T>& steepest) noexcept {
+[[gnu::always_inline]] inline vec2<T> keep_steeper(const Field& field, const vec3<T>& query,
+                                                   const SurfacePoint<T>& at, Neighbour n,
+                                                   SteepestPatch<T>& steepest) noexcept {
     ++steepest.patches;
     const auto there = seen_from(n, at);
     const auto patch = field.patch(there.cell);
     if (!patch) return vec2<T>{-1};
     const DistanceFunction<T> distance{*patch, field.lattice().locate(query, there.cell)};
     const vec2<T> rate = descent_rate(distance, distance(there.u, there.v), there.u, there.v);
-    // Along an edge F falls as much on either side, but a steep patch cannot resolve what a level one can.
+    // F falls along a shared edge as much on either side of it. That rate counts for a patch only if F falls into it as well:
+    // else a level patch, whose gradient has the smaller rounding, would be taken for the steeper one.
     const bool enters = (n.di != 0 && rate.x > 0) || (n.dj != 0 && rate.y > 0) || !steepest.leads_down();
     if (enters && rate.x + rate.y > steepest.rate) {
         steepest.rate = rate.x + rate.y;
@@ -177,19 +179,19 @@ steepest_incident_patch(const Field& field, const vec3<T>& query, const SurfaceP
     SteepestPatch<T> steepest{.point = at, .distance = distance, .rate = own.x + own.y};
     Neighbours neighbours{at.u, at.v};
     if (neighbours.count == 3) {
-        // Two patches that share an edge have the same slope along it. So the point's own patch and the one opposite tell
-        // for all four on which side F is steeper, along u and along v.
+        // Two patches that share an edge have the same slope along it. So the slopes of the point's own patch and of the one
+        // opposite are those of all four, and are enough to see on which side F is steeper, along u and along v.
         const Neighbour opposite = neighbours.items[2];
-        if (const vec2<T> rate = consider(field, query, at, opposite, steepest); rate.x >= 0) {
+        if (const vec2<T> rate = keep_steeper(field, query, at, opposite, steepest); rate.x >= 0) {
             const Neighbour steeper{rate.x < own.x ? 0 : opposite.di, rate.y < own.y ? 0 : opposite.dj};
-            if ((steeper.di == 0) != (steeper.dj == 0)) consider(field, query, at, steeper, steepest);
+            if ((steeper.di == 0) != (steeper.dj == 0)) keep_steeper(field, query, at, steeper, steepest);
             if (steepest.leads_down()) return steepest;
             neighbours.count = 2; // the opposite one is no hole
         }
     }
     const auto seen = field.lattice().locate(query, at.cell);
     for (const Neighbour n : neighbours) {
-        const bool is_missing = !(consider(field, query, at, n, steepest).x >= 0);
+        const bool is_missing = !(keep_steeper(field, query, at, n, steepest).x >= 0);
         if (is_missing && lies_across(n, seen)) {
             steepest.rim = field.cells().contains(seen_from(n, at).cell) ? DescentStatus::off_hole
                                                                          : DescentStatus::off_border;
@@ -391,7 +393,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             enter(steepest, at, distance, f, active, steps);
         }
         const auto end = descend_in_patch(distance, at, f, active, steps, patches, max_patches);
-        if (end == PatchEnd::resolution) break; // and the last comparison tells the status
+        if (end == PatchEnd::resolution) break; // with the status of the last comparison
         if (end == PatchEnd::minimum) {
             status = DescentStatus::minimum;
             break;

@@ -41,6 +41,16 @@ template <bool x_major>
 [[nodiscard]] constexpr Cell cell_at(Index major, Index minor) noexcept {
     return x_major ? Cell{major, minor} : Cell{minor, major};
 }
+/// The vertex with these numbers along both axes.
+template <bool x_major>
+[[nodiscard]] constexpr Vertex vertex_at(Index major, Index minor) noexcept {
+    return x_major ? Vertex{major, minor} : Vertex{minor, major};
+}
+/// The block with these numbers along both axes.
+template <bool x_major>
+[[nodiscard]] constexpr Block block_at(Index major, Index minor) noexcept {
+    return x_major ? Block{major, minor} : Block{minor, major};
+}
 
 /// A segment seen along its major axis. Lines and slabs are counted in the direction of the segment: line k is grid line
 /// `base` ± k of that axis, `base` being the cell in which the segment begins, and slab k lies between lines k and k + 1.
@@ -157,9 +167,10 @@ template <bool x_major, HeightField Field>
             // Two cells or one, which is hard to predict. So six corners, two of them twice where there is one.
             // Rounding keeps the order: what is not below z is not below z in T either.
             const Index next = major + 1;
-            return field.corners_below({cell_at<x_major>(major, near), cell_at<x_major>(next, near),
-                                        cell_at<x_major>(major, far), cell_at<x_major>(next, far),
-                                        cell_at<x_major>(major, part.end), cell_at<x_major>(next, part.end)},
+            return field.corners_below({vertex_at<x_major>(major, near), vertex_at<x_major>(next, near),
+                                        vertex_at<x_major>(major, far), vertex_at<x_major>(next, far),
+                                        vertex_at<x_major>(major, part.end),
+                                        vertex_at<x_major>(next, part.end)},
                                        static_cast<typename Field::Scalar>(part.lowest));
         }
     }
@@ -325,7 +336,7 @@ private:
     }
     [[nodiscard, gnu::always_inline]] auto heights_of_pair(Index major, Index one,
                                                            Index other) const noexcept {
-        return field_.block_range(level_, cell_at<x_major>(major, one), cell_at<x_major>(major, other));
+        return field_.block_range(level_, block_at<x_major>(major, one), block_at<x_major>(major, other));
     }
 
     /// log₂ of the cells along a side of a block.

@@ -29,6 +29,8 @@ struct FirstHit {
     SurfacePoint<T> point{}; ///< the crossing, if there is one
     Side side = Side::none; ///< hit: the side the segment came from; else: the side on which the search ended
     Index cells = 0;        ///< cells looked at; of a field with bounds, cells and blocks
+    /// cell_limit: by `leaves_within`, the segment has not got off the surface on which a lies.
+    bool leaving = false;
 };
 
 struct FirstHitOptions {
@@ -37,11 +39,13 @@ struct FirstHitOptions {
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
     /// ≥ 0: the segment leaves a surface on which a was computed to lie, to `side`, and this many metres are the rounding
-    /// of a. As long as it is no farther off than that, nothing is a crossing, and a missing patch is no hole. If it ends on
-    /// the other side without having left, it hits where it entered its last cell. An a that is farther off has left. < 0: no.
+    /// of a.z (that of a.x and a.y is added to it). As long as it is no farther off than that, nothing is a crossing, and a
+    /// missing patch is no hole; where a cell begins or ends with the segment farther off, it has left. If it ends on the
+    /// other side without having left, it hits where it entered its last cell. < 0: no.
     double leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
-    /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one search.
+    /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one
+    /// search. One that is still `leaving` goes on with `leaves_within` too.
     Index max_cells = std::numeric_limits<Index>::max();
 };
 
@@ -99,8 +103,12 @@ struct CrossingTest {
 
         const double z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
         const double z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
-        if (side != Side::below && glm::min(z_in, z_out) > widen(p.highest())) return stays_on(Side::above);
-        if (side != Side::above && glm::max(z_in, z_out) < widen(p.lowest())) return stays_on(Side::below);
+        if (!leaving) {
+            if (side != Side::below && glm::min(z_in, z_out) > widen(p.highest()))
+                return stays_on(Side::above);
+            if (side != Side::above && glm::max(z_in, z_out) < widen(p.lowest()))
+                return stays_on(Side::below);
+        }
 
         SegmentOverPatch over{{widen(p.p00), widen(p.p10), widen(p.p01), widen(p.p11)}, span, z_in, z_out};
         if (side == Side::none) {
@@ -126,15 +134,13 @@ struct CrossingTest {
 
     /// To be called once, after the last cell: completes the result.
     void finish() noexcept {
-        if (leaving && result.status == HitStatus::miss) {
-            // It did not get off the surface: if it ends below, it met the next face within the rounding of a.
-            if (under && covered_to == 1) {
-                result.status = HitStatus::hit;
-            } else {
-                result.t = 1;
-            }
+        if (leaving && under && covered_to == 1 && result.status == HitStatus::miss) {
+            // It did not get off the surface and ends below: it met the next face within the rounding of a.
+            result.status = HitStatus::hit;
         }
         if (result.status == HitStatus::miss) {
+            result.t = 1;
+            result.point = {};
             if (covered_to < 1) {
                 side = Side::none;
             } else if (side == Side::none) {
@@ -142,6 +148,7 @@ struct CrossingTest {
             }
         }
         result.side = side;
+        result.leaving = leaving;
     }
 
 private:
@@ -165,18 +172,28 @@ private:
     /// The segment is on this side of the whole patch: on to the next cell.
     bool stays_on(Side on) noexcept {
         side = on;
-        leaving = false;
         return true;
+    }
+
+    /// How many metres of height over this patch the rounding of a.x and a.y makes. Beside a grid line it can put a on the
+    /// patch next to the one it lies on, and that may be far steeper.
+    [[nodiscard]] double rounding_in_plan(const BilinearPatch<double>& p) const noexcept {
+        const glm::dvec2 per_metre = field.lattice().cells_per_metre();
+        const double rise_u = glm::max(std::abs(p.p10 - p.p00), std::abs(p.p11 - p.p01)),
+                     rise_v = glm::max(std::abs(p.p01 - p.p00), std::abs(p.p11 - p.p10));
+        return epsilon<double> *
+               (std::abs(a.x) * per_metre.x * rise_u + std::abs(a.y) * per_metre.y * rise_v);
     }
 
     /// While the segment leaves the surface: whether it is still on it, but for the rounding of a.
     [[nodiscard]] bool stays_on_surface(SegmentOverPatch& over, const Cell& cell) noexcept {
-        const double sign = sign_of(side);
-        const bool off = over.t_in == 0 && sign * over.f_in > options.leaves_within;
+        const double sign = sign_of(side), rounding = options.leaves_within + rounding_in_plan(over.patch);
+        const bool off = sign * over.f_in > rounding;
         if (!off) {
             over.f_in = 0;
-            const double rise = over.f_out - over.bend(); // f'(0) from f₀ = 0
-            if (sign * rise <= options.leaves_within) {
+            const double rise = over.f_out - over.quadratic(); // f'(0) from f₀ = 0
+            if (sign * rise <= rounding) {
+                leaving = sign * over.f_out <= rounding;
                 under = sign * over.f_out < 0;
                 result.t = over.t_in;
                 result.point = {cell, static_cast<T>(over.in.x), static_cast<T>(over.in.y)};
