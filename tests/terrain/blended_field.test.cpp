@@ -434,10 +434,15 @@ namespace {
 struct Columns {
     using SampleType = float;
     const std::vector<std::vector<float>>* all;
+    int* outside; ///< reads where there is no sample
 
     [[nodiscard]] Index columns() const noexcept { return std::ssize(*all); }
     [[nodiscard]] Index rows() const noexcept { return std::ssize(all->front()); }
     [[nodiscard]] float operator()(Index i, Index j) const noexcept {
+        if (i < 0 || j < 0 || i >= columns() || j >= rows()) {
+            ++*outside;
+            return 0;
+        }
         return (*all)[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
     }
     [[nodiscard]] bool missing(float sample) const noexcept { return sample == -1; }
@@ -456,7 +461,8 @@ TEST_CASE("BlendedField: levels of a storage of one's own are those of its sampl
             flat[static_cast<std::size_t>(i + 23 * j)] = z;
         }
     }
-    BlendedField own{StridedLevels{Columns{&all}}, {}};
+    int outside = 0;
+    BlendedField own{StridedLevels{Columns{&all, &outside}}, {}};
     BlendedField view{StridedLevels{HeightView{flat.data(), 23, 14, MissingValue{-1.0f}}}, {}};
     std::vector<SampleRange<float>> storage(static_cast<std::size_t>(MinMaxPyramid<float>::size(23, 14)));
     BoundedBlendedField bounded{own, storage.data(), std::ssize(storage)};
@@ -474,6 +480,15 @@ TEST_CASE("BlendedField: levels of a storage of one's own are those of its sampl
                 if (a) CHECK(corners(*a) == corners(*b));
             }
         }
+        // No sample is asked for that a level does not have.
+        for (Index j = -2; j <= own.cells().end.j + 1; ++j) {
+            for (Index i = -2; i <= own.cells().end.i + 1; ++i) {
+                (void)own.patch({i, j});
+                (void)own.surely_below({i, j}, {i + 1, j}, 1e9);
+                (void)own.surely_below({i, j}, {i, j + 1}, 1e9);
+            }
+        }
+        CHECK(outside == 0);
     }
 }
 
