@@ -180,12 +180,14 @@ TEMPLATE_TEST_CASE("change_level: the level that is set already changes nothing"
         const Ground<T> ground{static_cast<std::uint64_t>(n)};
         auto field = ground.field();
         const double level = field.set_level(random.between(0, 4));
-        ProxyTracker tracker{field}, still{field};
+        // With little work a slide takes many updates, and goes on all the same.
+        const TrackerOptions options{.max_contact_patches = random.one_in(2) ? 1 : 8192};
+        ProxyTracker tracker{field, options}, still{field, options};
         const auto at = ground.place(random);
         const double z = *ground.height(level, at.x, at.y);
         CHECK(change_level(field, level, tracker) == 0); // nothing was seen yet
         CHECK(tracker.state().phase == TrackerPhase::unseen);
-        for (const double over : {5.0, 0.5, -0.1, -0.3, 0.2}) {
+        for (const double over : {5.0, 0.5, -0.1, -0.3, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0, 0.2}) {
             const vec3<T> stylus{glm::dvec3{at, z + over}};
             CHECK(change_level(field, level, tracker) == 0);
             CHECK(same(tracker.update(stylus), still.update(stylus)));
@@ -229,6 +231,50 @@ TEMPLATE_TEST_CASE("change_level: a free stylus keeps its height over the ground
             }
         }
     }
+}
+
+TEMPLATE_TEST_CASE("change_level: a stylus that flies on meets no ground that rose with it", "[level_change]",
+                   float, double) {
+    using T = TestType;
+    // With a trench across the way, into which a stylus that was left below would come up and meet the far wall.
+    const auto high = terrain<T>(33, 33, [](Index i, Index) { return 7 <= i && i <= 9 ? 0.0 : 100.0; });
+    const auto low = plane<T>(17, 17, 0);
+    const HeightView<T> views[]{{high.heights.data(), 33, 33}, {low.heights.data(), 17, 17}};
+    BlendedField<T, OverviewLevels<HeightView<T>>> field{OverviewLevels{views, 2}, {}};
+    field.set_level(1);
+    for (const SurfaceKind surface : {SurfaceKind::solid, SurfaceKind::sheet}) {
+        ProxyTracker tracker{field, {.surface = surface}};
+        (void)change_level(field, 1, tracker);
+        REQUIRE(tracker.update({T(4.5), T(5.5), T(1)}).status == ContactStatus::free);
+        CHECK(change_level(field, 0, tracker) == 100);
+        CHECK(tracker.update({T(14.5), T(5.5), T(101)}).status == ContactStatus::free);
+        CHECK(change_level(field, 1, tracker) == -100);
+        CHECK(tracker.update({T(4.5), T(15.5), T(1)}).status == ContactStatus::free);
+        CHECK(tracker.update({T(4.5), T(15.5), T(-1)}).touching());
+    }
+}
+
+TEMPLATE_TEST_CASE("change_level: holes do not change the shaded slopes of a plane",
+                   "[level_change][force_shading]", float, double) {
+    using T = TestType;
+    auto ground = tilted_plane<T>(41, 37, 0.5, -0.25);
+    punch_holes(ground, 12, 3);
+    BlendedField<T, StridedLevels<HeightView<T>>> field{
+        StridedLevels{HeightView<T>{ground.heights.data(), 41, 37}}, {}};
+    int known = 0;
+    for (const double level : {0.0, 0.25, 0.75, 1.0, 1.5, 2.5}) {
+        field.set_level(level);
+        for (Index j = 0; j < field.cells().end.j; ++j) {
+            for (Index i = 0; i < field.cells().end.i; ++i) {
+                const auto slopes = shaded_slopes(field, SurfacePoint<T>{{i, j}, T(0.25), T(0.75)});
+                CHECK(slopes.has_value() == field.patch({i, j}).has_value());
+                if (!slopes) continue;
+                ++known;
+                CHECK(glm::length(*slopes - vec2<T>{T(0.5), T(-0.25)}) <= 64 * epsilon<T>);
+            }
+        }
+    }
+    CHECK(known > 1000);
 }
 
 TEMPLATE_TEST_CASE("change_level: both numberings of a whole level give one force", "[level_change][law]",

@@ -105,7 +105,6 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker) 
     const int k = levels.finer_level();
     levels.set_level(level);
     state.proxy = renumbered(state.proxy, levels.finer_level() - k);
-    state.progress = {};
     const auto after = ground();
     const double rise = before && after ? *after - *before : 0;
     state.swept_to.z += rise;
