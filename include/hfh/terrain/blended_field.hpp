@@ -300,12 +300,11 @@ public:
     [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Block one,
                                                                            Block other) const noexcept {
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
-        const int k = this->finer_level(), wanted = level + (k + 1) / 2, highest = bounds_.levels() - 1;
-        // The highest block holds all.
-        const auto block = [&](Block b) {
-            return wanted <= highest ? Block{b.i >> (k & 1), b.j >> (k & 1)} : Block{0, 0};
-        };
-        const auto range = bounds_.range(std::min(wanted, highest), block(one), block(other));
+        const int k = this->finer_level(), odd = k & 1;
+        // Above the highest level of the pyramid there is one block, {0, 0}, which is that of the highest as well.
+        const int above = std::min(level + (k + odd) / 2, bounds_.levels() - 1);
+        const auto range =
+            bounds_.range(above, {one.i >> odd, one.j >> odd}, {other.i >> odd, other.j >> odd});
         if (range.holed()) return nothing;
         const HeightRange<T> heights = this->finer().heights_between(range.lowest, range.highest);
         return this->finer().in_range(heights) ? heights : nothing; // one of its patches may be missing
