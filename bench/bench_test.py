@@ -202,7 +202,7 @@ class Goals(unittest.TestCase):
         goals = bench.read_goals()
         self.assertEqual(len({goal["id"] for goal in goals}), len(goals))
         for goal in goals:
-            self.assertIn(goal["kind"], ("ratio", "time", "count"))
+            self.assertIn(goal["kind"], ("ratio", "time", "count", "force"))
             self.assertEqual(sum(key in goal for key in [*bench.BETTER, "figures"]), 1, goal["id"])
             self.assertTrue(goal["why"].endswith("."), goal["id"])
 

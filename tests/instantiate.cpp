@@ -4,6 +4,7 @@
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/friction_cone.hpp>
+#include <hfh/contact/level_change.hpp>
 #include <hfh/device/force_guard.hpp>
 #include <hfh/device/limit_cycle_filter.hpp>
 #include <hfh/device/triple_buffer.hpp>
@@ -16,6 +17,7 @@
 #include <hfh/simulation/driven_axis.hpp>
 #include <hfh/simulation/end_stops.hpp>
 #include <hfh/simulation/simulated_device.hpp>
+#include <hfh/terrain/blended_field.hpp>
 #include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
@@ -77,7 +79,14 @@ template class TripleBuffer<DeviceSample>;
     template class BoundedGrid<float, HeightView<S>>;                                                        \
     template class BoundedGrid<double, HeightView<S, MissingValue<S>>>;                                      \
     template class ProxyTracker<BoundedGrid<float, HeightView<S>>>;                                          \
-    template class ProxyTracker<BoundedGrid<double, HeightView<S, MissingValue<S>>>>;
+    template class ProxyTracker<BoundedGrid<double, HeightView<S, MissingValue<S>>>>;                        \
+    template class StridedLevels<HeightView<S>>;                                                             \
+    template class OverviewLevels<HeightView<S, MissingValue<S>>>;                                           \
+    template class BlendedField<float, StridedLevels<HeightView<S>>>;                                        \
+    template class BlendedField<double, OverviewLevels<HeightView<S, MissingValue<S>>>>;                     \
+    template class BoundedBlendedField<double, HeightView<S>>;                                               \
+    template class ProxyTracker<BlendedField<float, StridedLevels<HeightView<S>>>>;                          \
+    template class ProxyTracker<BoundedBlendedField<double, HeightView<S>>>;
 
 HFH_TEST_INSTANTIATE(std::uint8_t)
 HFH_TEST_INSTANTIATE(std::uint16_t)

@@ -67,6 +67,8 @@ struct Settings {
 [[nodiscard]] Findings scalars(const Settings&);
 [[nodiscard]] Findings beside_heights(const Settings&);
 [[nodiscard]] Findings compile_time(const Settings&);
+[[nodiscard]] Findings blended_levels(const Settings&);
+[[nodiscard]] Findings zoom(const Settings&);
 
 } // namespace hfh::bench
 

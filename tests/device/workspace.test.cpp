@@ -1,5 +1,6 @@
 #include "catch.hpp"
 #include "support/guard_oracle.hpp"
+#include "support/numbers.hpp"
 #include "support/random.hpp"
 
 #include <hfh/contact/proxy_tracker.hpp>
@@ -206,4 +207,91 @@ TEST_CASE("Workspace: refuses what is no scale, no proper rotation, no place", "
     CHECK(to_string(WorkspaceStatus::bad_rotation) == std::string{"bad_rotation"});
     CHECK(to_string(WorkspaceStatus::bad_offset) == std::string{"bad_offset"});
     CHECK(to_string(static_cast<WorkspaceStatus>(4)) == std::string{"unknown"});
+}
+
+TEMPLATE_TEST_CASE("Workspace: zooming about a point keeps the hand and what is over that point",
+                   "[workspace][law]", float, double) {
+    using T = TestType;
+    Random random{31};
+    for (int n = 0; n < 500; ++n) {
+        const WorkspaceFrame frame{.scale = std::exp(random.between(-2, 12)),
+                                   .rotation = random_rotation(random),
+                                   .offset = random_point(random, 1e5)};
+        Workspace<T> workspace{frame};
+        const glm::dvec3 hand = random_point(random, 0.1), proxy = random_point(random, 0.1);
+        const glm::dvec3 about = workspace.to_terrain(proxy);
+        const glm::dvec3 stylus = workspace.to_terrain(hand);
+        const double scale = frame.scale * std::exp(random.between(-8, 8));
+        REQUIRE(workspace.zoom(scale, about) == WorkspaceStatus::ok);
+        CHECK(workspace.frame().scale == scale);
+        CHECK(workspace.frame().rotation == frame.rotation);
+        // The same place of the workspace is over the point.
+        CHECK(glm::distance(workspace.to_hand(about), proxy) <=
+              tolerance<double>(1e5 / scale + 1e5 / frame.scale + 1));
+        // about + (stylus − about)·scale/old scale, in long double.
+        for (int i = 0; i < 3; ++i) {
+            const long double wanted =
+                wide(about[i]) + (wide(stylus[i]) - wide(about[i])) * wide(scale) / wide(frame.scale);
+            CHECK(std::abs(workspace.to_terrain(hand)[i] - static_cast<double>(wanted)) <=
+                  tolerance<double>((1e5 + 0.2 * frame.scale) * (1 + scale / frame.scale)));
+        }
+        // The force of a spring from the stylus to the point is in the hand what it was.
+        const auto force = [&](double at_scale, const glm::dvec3& from) {
+            return 500.0 * ((about - from) * frame.rotation) / at_scale;
+        };
+        const glm::dvec3 before = force(frame.scale, stylus),
+                         after = workspace.force_at_hand(
+                             vec3<T>{static_cast<double>(workspace.terrain_stiffness(500)) *
+                                     (about - workspace.to_terrain(hand))});
+        CHECK(glm::distance(before, after) <=
+              1e-4 + 500 * tolerance<double>(1e6 / scale + 1e6 / frame.scale));
+    }
+}
+
+TEST_CASE("Workspace: zooming and moving refuse what is no number, and change nothing", "[workspace]") {
+    const WorkspaceFrame frame{.scale = 100, .offset = {1, 2, 3}};
+    Workspace<double> workspace{frame};
+    const glm::dvec3 hand{0.01, 0.02, 0.03}, before = workspace.to_terrain(hand);
+    for (const double scale : {0.0, -1.0, hidden_nan<double>(), hidden_infinity<double>()})
+        CHECK(workspace.zoom(scale, {0, 0, 0}) == WorkspaceStatus::bad_scale);
+    CHECK(workspace.zoom(50, {0, hidden_nan<double>(), 0}) == WorkspaceStatus::bad_offset);
+    CHECK(workspace.zoom(1e300, {1e300, 0, 0}) == WorkspaceStatus::bad_offset);
+    CHECK(workspace.move({0, 0, hidden_infinity<double>()}) == WorkspaceStatus::bad_offset);
+    CHECK(workspace.frame().scale == 100);
+    CHECK(workspace.to_terrain(hand) == before);
+    CHECK(workspace.move({0, 0, 7}) == WorkspaceStatus::ok);
+    CHECK(glm::distance(workspace.to_terrain(hand), before + glm::dvec3{0, 0, 7}) < 1e-12);
+
+    Workspace<double> refused{{.scale = -1}};
+    CHECK(refused.zoom(2, {0, 0, 0}) == WorkspaceStatus::bad_scale);
+    CHECK(refused.move({0, 0, 1}) == WorkspaceStatus::bad_scale);
+    CHECK(refused.to_terrain(hand) == hand);
+}
+
+TEST_CASE("Workspace: a held clutch zooms and moves what it holds", "[workspace]") {
+    Workspace<double> workspace{{.scale = 100, .offset = {1, 2, 3}}};
+    const glm::dvec3 held = workspace.update({0.01, 0.02, 0.03});
+    (void)workspace.update({0.01, 0.02, 0.03}, true);
+    CHECK(glm::distance(workspace.update({0.05, 0, 0}, true), held) < 1e-12);
+    const glm::dvec3 about{4, 4, 4};
+    REQUIRE(workspace.zoom(50, about) == WorkspaceStatus::ok);
+    const glm::dvec3 zoomed = about + (held - about) * 0.5;
+    CHECK(glm::distance(workspace.update({0.02, 0.01, 0}, true), zoomed) < 1e-12);
+    REQUIRE(workspace.move({0, 0, 2}) == WorkspaceStatus::ok);
+    CHECK(glm::distance(workspace.update({0, 0, 0}, true), zoomed + glm::dvec3{0, 0, 2}) < 1e-12);
+    CHECK(glm::distance(workspace.update({0, 0, 0}), zoomed + glm::dvec3{0, 0, 2}) < 1e-12);
+}
+
+TEST_CASE("suitable_level: a cell of that level measures so much in the hand", "[workspace]") {
+    // 10 m cells at 20 km a metre: half a millimetre.
+    CHECK(suitable_level(20000, 10) == Approx(0).margin(1e-12));
+    CHECK(suitable_level(80000, 10) == Approx(2));
+    CHECK(suitable_level(10000, 10) == Approx(-1));
+    CHECK(suitable_level(20000, 10, 1e-3) == Approx(1));
+    Random random{32};
+    for (int n = 0; n < 200; ++n) {
+        const double scale = std::exp(random.between(0, 12)), cell = std::exp(random.between(-3, 5)),
+                     in_hand = std::exp(random.between(-9, -4));
+        CHECK(cell * std::pow(2, suitable_level(scale, cell, in_hand)) / scale == Approx(in_hand));
+    }
 }

@@ -31,7 +31,10 @@ public:
         }
     }
 
-    /// The mean slopes, metres per metre, at vertex (a, b) of the cell. Precondition: the cell's own patch was added.
+    /// Whether a patch was added that has vertex (a, b) of the cell; all four if the cell's own was.
+    [[nodiscard]] bool has(int a, int b) const noexcept { return patches_[b][a] > 0; }
+
+    /// The mean slopes, metres per metre, at vertex (a, b) of the cell. Precondition: there are any.
     [[nodiscard]] vec2<T> mean(int a, int b) const noexcept {
         return sum_[b][a] / static_cast<T>(patches_[b][a]);
     }
@@ -40,6 +43,36 @@ private:
     vec2<T> sum_[2][2]{{vec2<T>{T(0)}, vec2<T>{T(0)}}, {vec2<T>{T(0)}, vec2<T>{T(0)}}};
     int patches_[2][2]{};
 };
+
+/// The slopes at the vertices of a cell, from the nine patches around it.
+template <HeightField Field>
+[[nodiscard]] VertexSlopes<typename Field::Scalar> slopes_around(const Field& field, Cell cell) noexcept {
+    VertexSlopes<typename Field::Scalar> slopes;
+    for (Index dj = -1; dj <= 1; ++dj) {
+        for (Index di = -1; di <= 1; ++di) {
+            if (const auto patch = field.patch({cell.i + di, cell.j + dj})) slopes.add(*patch, di, dj);
+        }
+    }
+    return slopes;
+}
+
+/// The slopes at vertex (a, b) of a cell as those of the next coarser level have them: `slopes` are at the vertices of the
+/// cell there, of which this one is a quarter. A mean of 1, 2 or 4; empty where one of them is missing.
+template <Real T>
+[[nodiscard]] std::optional<vec2<T>> mean_slopes(const VertexSlopes<T>& slopes, Cell cell, int a,
+                                                 int b) noexcept {
+    const int twice_u = static_cast<int>(cell.i & 1) + a, twice_v = static_cast<int>(cell.j & 1) + b;
+    vec2<T> sum{T(0)};
+    for (int q = 0; q < 2; ++q) {
+        for (int p = 0; p < 2; ++p) {
+            const int share = (p == 0 ? 2 - twice_u : twice_u) * (q == 0 ? 2 - twice_v : twice_v);
+            if (share == 0) continue;
+            if (!slopes.has(p, q)) return std::nullopt;
+            sum += T(0.25) * static_cast<T>(share) * slopes.mean(p, q);
+        }
+    }
+    return sum;
+}
 
 } // namespace detail
 
@@ -67,6 +100,32 @@ shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& po
     const T u = point.u, v = point.v;
     const vec2<T> at_v0 = (T(1) - u) * slopes.mean(0, 0) + u * slopes.mean(1, 0);
     const vec2<T> at_v1 = (T(1) - u) * slopes.mean(0, 1) + u * slopes.mean(1, 1);
+    return (T(1) - v) * at_v0 + v * at_v1;
+}
+
+/// The same on a blend of two levels: the slopes of both levels are blended as the heights are, vertex by vertex. So the
+/// shaded normal does not jump where the level passes a whole number. Reads eighteen patches.
+template <BlendedHeightField Field>
+[[nodiscard]] std::optional<vec2<typename Field::Scalar>>
+shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& point) noexcept {
+    using T = typename Field::Scalar;
+    if (!field.patch(point.cell)) return std::nullopt;
+    const auto fine = detail::slopes_around(field.finer(), point.cell);
+    vec2<T> at[2][2] = {{fine.mean(0, 0), fine.mean(1, 0)}, {fine.mean(0, 1), fine.mean(1, 1)}};
+    if (const T alpha = static_cast<T>(field.alpha()); alpha != 0) {
+        const auto coarse = detail::slopes_around(field.coarser(), {point.cell.i >> 1, point.cell.j >> 1});
+        for (int b = 0; b < 2; ++b) {
+            for (int a = 0; a < 2; ++a) {
+                const auto mean = detail::mean_slopes(coarse, point.cell, a, b);
+                if (!mean) continue;
+                const vec2<T> off = *mean - at[b][a];
+                at[b][a] = {multiply_add(alpha, off.x, at[b][a].x), multiply_add(alpha, off.y, at[b][a].y)};
+            }
+        }
+    }
+    const T u = point.u, v = point.v;
+    const vec2<T> at_v0 = (T(1) - u) * at[0][0] + u * at[0][1];
+    const vec2<T> at_v1 = (T(1) - u) * at[1][0] + u * at[1][1];
     return (T(1) - v) * at_v0 + v * at_v1;
 }
 

@@ -102,6 +102,32 @@ template <Real T>
            std::bit_cast<typename detail::Bits<T>::Type>(longest<T>);
 }
 
+/// a·b + c, by the same roundings everywhere. Of `a * b + c` compilers fuse the product with the sum in one place and not in
+/// another, and the last bit differs. Here it is fused where the processor can; elsewhere an empty assembly, which costs no
+/// instruction, hides from the compiler that it is a product.
+template <Real T>
+[[nodiscard]] constexpr T multiply_add(T a, T b, T c) noexcept {
+#if defined(__GNUC__) && (defined(__FMA__) || defined(__aarch64__))
+    if constexpr (std::same_as<T, float>) {
+        return __builtin_fmaf(a, b, c);
+    } else {
+        return __builtin_fma(a, b, c);
+    }
+#else
+    T product = a * b;
+#if defined(__GNUC__)
+    if (!std::is_constant_evaluated()) {
+#if defined(__SSE_MATH__)
+        asm("" : "+x"(product));
+#else
+        asm("" : "+m"(product)); // no name for the registers that hold floats
+#endif
+    }
+#endif
+    return product + c;
+#endif
+}
+
 /// x as a double, to the bit. Every conversion from float to double goes through here, because of an error of GCC 12: at
 /// -O2 it converts two numbers as a vector, and of a vector of (double)(float)y it drops both conversions and with them the
 /// rounding to float. It cannot where it does not know how x was made: an empty assembly hides that and costs no instruction.

@@ -43,6 +43,41 @@ concept CorneredHeightField = HeightField<F>
     };
 // clang-format on
 
+/// A height field that tells at little cost of most cells that lie far below a height that they do. If
+/// `surely_below(one, other, z)` is true, both cells have patches and these lie below z, to the bit; if it is false, they may
+/// all the same. That pays where a patch is computed from samples that bound it. Precondition: `other` is the neighbour of
+/// `one` to the right or above, or the same cell.
+// clang-format off
+template <class F>
+concept QuickHeightField = HeightField<F>
+    && requires(const F& field, Cell cell, typename F::Scalar z) {
+        { field.surely_below(cell, cell, z) } noexcept -> std::same_as<bool>;
+    };
+// clang-format on
+
+/// A height field whose level of detail is set between updates: any real number. Its lattice is that of the level with the
+/// whole number finer_level(), with every 2ᵏ-th grid line of level 0. See `BlendedField`.
+// clang-format off
+template <class F>
+concept LeveledHeightField = HeightField<F>
+    && requires(F& field, const F& same, double level) {
+        { field.set_level(level) } noexcept;
+        { same.finer_level() } noexcept -> std::same_as<int>;
+    };
+// clang-format on
+
+/// A height field that is the blend (1 − α)·finer() + α·coarser() of two levels of detail, with cells twice as wide in
+/// coarser(). See `BlendedField`.
+// clang-format off
+template <class F>
+concept BlendedHeightField = HeightField<F>
+    && requires(const F& field) {
+        requires HeightField<std::remove_cvref_t<decltype(field.finer())>>;
+        requires HeightField<std::remove_cvref_t<decltype(field.coarser())>>;
+        { field.alpha() } noexcept -> std::same_as<double>;
+    };
+// clang-format on
+
 /// Block (i, j) of a level: a square of cells. See `BoundedHeightField`, which says which cells it holds.
 struct Block {
     Index i = 0;
