@@ -1,0 +1,198 @@
+#include "viewer.hpp"
+
+#include "edits.hpp"
+#include "quantities.hpp"
+#include "save_terrain.hpp"
+
+#include <bad_input.hpp>
+
+#include <imgui.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace viewer {
+namespace {
+
+constexpr double radians_per_pixel = 0.006;
+
+/// Contours are 8 mm apart in the hand where the ground is as steep as in the mean.
+double contour_interval(double scale, double steepness, bool feet) noexcept {
+    const double unit = feet ? 0.3048 : 1.0;
+    return unit * round_number(8e-3 * scale * std::clamp(steepness, 1e-3, 1.0) / unit);
+}
+
+} // namespace
+
+DisplayedTerrain displayed_terrain(const demo::Terrain& terrain, const hfh::GridFrame& frame) {
+    return std::visit(
+        [&]<class S>(const demo::Heights<S>& heights) -> DisplayedTerrain {
+            const auto sample = [heights, frame](hfh::Index i, hfh::Index j) -> double {
+                const S value =
+                    load_sample(heights.data()[i * heights.column_stride() + j * heights.row_stride()]);
+                const double height = frame.height_offset + frame.height_scale * static_cast<double>(value);
+                return heights.missing(value) || !hfh::is_height(height)
+                           ? std::numeric_limits<double>::quiet_NaN()
+                           : height;
+            };
+            const double middle = sample(heights.columns() / 2, heights.rows() / 2);
+            return {heights.columns(), heights.rows(), frame.spacing, std::isnan(middle) ? 0.0 : middle,
+                    sample};
+        },
+        terrain.heights);
+}
+
+Viewer::Viewer(const demo::Terrain& terrain, const DisplayedTerrain& displayed, const hfh::GridFrame& frame,
+               Haptics& haptics, int n, float pixels)
+    : terrain_{&terrain}, displayed_{&displayed}, frame_{frame}, haptics_{&haptics}, loader_{displayed, n},
+      terrain_drawer_{displayed, n}, layer_{pixels}, renderer_{renderer_name()} {
+    settings_.feel.stiffness = haptics.default_stiffness();
+    settings_.save_as = std::filesystem::path{terrain.name}.stem().string() + "_edited.flt";
+    renderer_ = renderer_.substr(0, renderer_.find(" ("));
+    take_hand();
+    camera_.target.z = hand_.middle;
+    ask_for_levels();
+}
+
+void Viewer::take_hand() {
+    (void)haptics_->show(hand_);
+    haptics_->rows().drain([&](const demo::Touch& touch) {
+        force_.add(touch);
+        if (record_ != nullptr) record_->add(touch);
+    });
+    if (hand_.has_touched) settings_.shows_hint = false;
+}
+
+void Viewer::tell_hand(const FrameInput& input, const glm::ivec2& size) {
+    told_.has_pointer = input.has_pointer;
+    if (input.has_pointer) told_.pointer = camera_.ray(input.pointer, size);
+    told_.pressing = input.pressing;
+    told_.firmness = settings_.firmness;
+    told_.zoom += input.zoom;
+    const double pixel = camera_.pixel_size(size);
+    told_.pan +=
+        pixel * (input.pan.x * camera_.right() - input.pan.y / std::sin(camera_.elevation) * camera_.ahead());
+    told_.feel = settings_.feel;
+    told_.level = settings_.level;
+    told_.brush = settings_.brush;
+    told_.undos += input.undoes;
+    told_.resets += input.goes_home;
+    told_.edits_seen = edits_asked_;
+    haptics_->tell(told_);
+}
+
+/// The windows stay where they are while the stylus is well inside the finest one, so that the ground does not shimmer under a
+/// hand that explores one place.
+void Viewer::follow() {
+    const glm::dvec2 at = glm::dvec2{hand_.proxy} / displayed_->spacing;
+    const glm::dvec2 last{static_cast<double>(displayed_->columns - 1),
+                          static_cast<double>(displayed_->rows - 1)};
+    const double slack = placed_ ? std::exp2(std::floor(hand_.level)) * loader_.n() / 8.0 : 0.0;
+    place_ = glm::clamp(glm::clamp(place_, at - slack, at + slack), glm::dvec2{0.0}, last);
+    placed_ = true;
+}
+
+void Viewer::ask_for_levels() {
+    follow();
+    LevelRequest request{.place = place_, .finest = static_cast<int>(std::floor(hand_.level))};
+    if (hand_.edit != edits_asked_) {
+        request.changed = hand_.edited;
+        edits_asked_ = hand_.edit;
+    }
+    request.edit = edits_asked_;
+    const bool same = asked_ && asked_->place == request.place && asked_->finest == request.finest &&
+                      asked_->edit == request.edit;
+    if (same) return;
+    asked_ = request;
+    loader_.ask(request);
+}
+
+FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, double seconds, bool waits) {
+    frame_seconds_ += (seconds - frame_seconds_) * std::min(1.0, 4 * seconds);
+    camera_.turn(-radians_per_pixel * input.turn.x, radians_per_pixel * input.turn.y);
+    camera_.exaggeration = settings_.exaggeration;
+    if (input.toggles_keys) settings_.shows_keys = !settings_.shows_keys;
+    if (input.toggles_panel) settings_.shows_panel = !settings_.shows_panel;
+    if (input.brush) settings_.brush.kind = *input.brush;
+
+    take_hand();
+    camera_.target.z += (hand_.middle - camera_.target.z) * (waits ? 1.0 : std::min(1.0, 8 * seconds));
+    tell_hand(input, size);
+    ask_for_levels();
+    if (waits) loader_.wait();
+    levels_ = loader_.newest();
+
+    view_ = {.camera = camera_,
+             .scale = hand_.scale,
+             .offset = hand_.offset,
+             .level = hand_.level,
+             .contour_interval = contour_interval(
+                 hand_.scale, levels_ ? static_cast<double>(levels_->steepness) : 1.0, settings_.feet),
+             .look = settings_.look};
+    glViewport(0, 0, size.x, size.y);
+    glClearColor(0.72f, 0.79f, 0.86f, 1);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    report_ = {};
+    if (levels_) {
+        report_.terrain = terrain_drawer_.draw(*levels_, view_, size);
+        report_.samples_read = levels_->samples_read;
+        report_.has_terrain = true;
+    }
+    marker_drawer_.draw({.stylus = hand_.to_hand(hand_.stylus),
+                         .proxy = hand_.to_hand(hand_.proxy),
+                         .normal = hand_.normal,
+                         .wanted = hand_.wanted,
+                         .newtons = hand_.force,
+                         .touching = hand_.touching(),
+                         .over_ground = hand_.over_ground,
+                         .pixel = static_cast<double>(layer_.pixels())},
+                        camera_, size);
+    draw_text(size, seconds);
+    return report_;
+}
+
+void Viewer::draw_text(const glm::ivec2& size, double seconds) {
+    message_left_ -= seconds;
+    if (message_left_ <= 0) message_.clear();
+    if (shows_text_) {
+        OverlayText text{.hand = hand_,
+                         .slope = std::acos(std::clamp(hand_.normal.z, -1.0, 1.0)),
+                         .frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0,
+                         .real_time = real_time_,
+                         .renderer = renderer_,
+                         .message = message_,
+                         .feet = settings_.feet,
+                         .shows_hint = settings_.shows_hint,
+                         .shows_keys = settings_.shows_keys,
+                         .palette = settings_.look.palette,
+                         .contour_interval = settings_.look.contours ? view_.contour_interval : 0,
+                         .triangles = report_.terrain.triangles};
+        if (levels_) {
+            text.lowest = displayed_->datum + static_cast<double>(levels_->height_range.x);
+            text.highest = displayed_->datum + static_cast<double>(levels_->height_range.y);
+        }
+        draw_overlay(text, force_, camera_, size, layer_.pixels());
+        if (settings_.shows_panel) {
+            const PanelWishes wishes =
+                draw_panel(settings_, hand_, loader_.coarsest(), size, layer_.pixels());
+            told_.undos += wishes.undo;
+            told_.resets += wishes.home;
+            if (wishes.save) save();
+        }
+    }
+    layer_.draw();
+}
+
+void Viewer::save() {
+    try {
+        save_terrain(*terrain_, frame_, settings_.save_as);
+        say("Saved as " + settings_.save_as + " (the file that was opened is as it was).");
+    } catch (const demo::BadInput& error) {
+        say(error.what());
+    }
+}
+
+} // namespace viewer
