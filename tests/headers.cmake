@@ -6,7 +6,7 @@ include(${SOURCE_DIR}/cmake/headers.cmake)
 set(include_dir ${SOURCE_DIR}/include/hfh)
 
 # Algorithms take any height field; the grid is for who makes one.
-set(may_include_bilinear_grid hfh terrain min_max_pyramid)
+set(may_include_bilinear_grid hfh terrain min_max_pyramid blended_field)
 
 # Force ignores how a contact was found.
 set(only_force_evaluator contact scalar)

@@ -67,6 +67,7 @@ struct Settings {
 [[nodiscard]] Findings scalars(const Settings&);
 [[nodiscard]] Findings beside_heights(const Settings&);
 [[nodiscard]] Findings compile_time(const Settings&);
+[[nodiscard]] Findings blended_levels(const Settings&);
 
 } // namespace hfh::bench
 

@@ -23,9 +23,10 @@ struct Part {
     Findings (*measure)(const Settings&);
 };
 constexpr Part parts[] = {
-    {"sliding", sliding}, {"closest", closest_peers}, {"crossing", crossing},
-    {"bounds", bounds},   {"worst", worst_updates},   {"vast", vast},
-    {"scalars", scalars}, {"beside", beside_heights}, {"compile", compile_time},
+    {"sliding", sliding},       {"closest", closest_peers}, {"crossing", crossing},
+    {"bounds", bounds},         {"worst", worst_updates},   {"vast", vast},
+    {"scalars", scalars},       {"beside", beside_heights}, {"compile", compile_time},
+    {"levels", blended_levels},
 };
 
 void print(const Findings& found) {

@@ -7,6 +7,7 @@
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/friction_cone.hpp>
+#include <hfh/contact/level_change.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 
 #endif // HFH_CONTACT_HPP

@@ -54,6 +54,14 @@ enum class WorkspaceStatus : unsigned char {
     return is_finite(frame.offset) ? WorkspaceStatus::ok : WorkspaceStatus::bad_offset;
 }
 
+/// The level of detail, any number, on which a cell measures `cell_in_hand` metres in the hand: log₂(cell_in_hand·scale/cell).
+/// `scale` is that of a workspace, `cell` the width in metres of a cell of level 0. Finer cells are noise for a hand, which
+/// resolves about half a millimetre. Below 0 where even the finest cells are wider than that; `BlendedField::set_level` takes
+/// the nearest level that there is.
+[[nodiscard]] inline double suitable_level(double scale, double cell, double cell_in_hand = 0.5e-3) noexcept {
+    return std::log2(cell_in_hand * scale / cell);
+}
+
 /// Maps a device's workspace to the terrain, and forces back.
 ///
 /// With s the scale and R the rotation, a velocity v of the hand is s·R·v on the terrain. The work at the hand is the work on
@@ -89,6 +97,36 @@ public:
             clutched_ = clutch;
         }
         return vec3<T>{to_terrain(hand)};
+    }
+
+    /// Changes the scale about a terrain point. The hand stays, and what of it was over that point stays over it: a terrain
+    /// position p becomes about + (p − about)·scale/old scale.
+    ///
+    /// About the proxy that is felt the force stays as it is, for F_hand = k_hand·Rᵀ·(proxy − stylus)/s: the stylus comes nearer
+    /// to the proxy by as much as the terrain becomes stiffer. (Ask for `terrain_stiffness` and `terrain_force` again.) A free
+    /// stylus zooms about itself and stays where it is. Refused, with nothing changed, if the scale or the point is no number
+    /// or the offset would be none.
+    WorkspaceStatus zoom(double scale, const glm::dvec3& about) noexcept {
+        if (status_ != WorkspaceStatus::ok) return status_;
+        if (!is_finite(scale) || !(scale > 0)) return WorkspaceStatus::bad_scale;
+        const double by = scale / frame_.scale;
+        const glm::dvec3 offset = about + (frame_.offset - about) * by, held = about + (held_ - about) * by;
+        if (!is_finite(offset) || !is_finite(held)) return WorkspaceStatus::bad_offset;
+        frame_.scale = scale;
+        frame_.offset = offset;
+        held_ = held;
+        return status_;
+    }
+
+    /// Moves the terrain position of every hand by so many metres: as the ground moves under it (`change_level`). Refused if
+    /// the offset would be no number.
+    WorkspaceStatus move(const glm::dvec3& by) noexcept {
+        if (status_ != WorkspaceStatus::ok) return status_;
+        const glm::dvec3 offset = frame_.offset + by, held = held_ + by;
+        if (!is_finite(offset) || !is_finite(held)) return WorkspaceStatus::bad_offset;
+        frame_.offset = offset;
+        held_ = held;
+        return status_;
     }
 
     [[nodiscard]] glm::dvec3 to_terrain(const glm::dvec3& hand) const noexcept {

@@ -43,6 +43,28 @@ concept CorneredHeightField = HeightField<F>
     };
 // clang-format on
 
+/// A height field that tells at little cost of most cells that lie far below a height that they do. The two cells share a
+/// side, or are one given twice. If `surely_below(one, other, z)` is true, they have patches and these lie below z, to the
+/// bit; if it is false, they may all the same. That pays where a patch is computed from samples that bound it.
+// clang-format off
+template <class F>
+concept QuickHeightField = HeightField<F>
+    && requires(const F& field, Cell cell, typename F::Scalar z) {
+        { field.surely_below(cell, cell, z) } noexcept -> std::same_as<bool>;
+    };
+// clang-format on
+
+/// A height field whose level of detail is set between updates: any real number. Its lattice is that of the level with the
+/// whole number finer_level(), with every 2ᵏ-th grid line of level 0. See `BlendedField`.
+// clang-format off
+template <class F>
+concept LeveledHeightField = HeightField<F>
+    && requires(F& field, const F& same, double level) {
+        { field.set_level(level) } noexcept;
+        { same.finer_level() } noexcept -> std::same_as<int>;
+    };
+// clang-format on
+
 /// Heights in metres between which a piece of surface lies.
 template <Real T>
 struct HeightRange {

@@ -163,6 +163,13 @@ template <bool x_major, HeightField Field>
                                        static_cast<typename Field::Scalar>(part.lowest));
         }
     }
+    if constexpr (QuickHeightField<Field>) {
+        const Index near = part.begin, far = part.end - 1;
+        if (far - near <= 1 && field.surely_below(cell_at<x_major>(major, near), cell_at<x_major>(major, far),
+                                                  static_cast<typename Field::Scalar>(part.lowest))) {
+            return true;
+        }
+    }
     for (Index minor = part.begin; minor < part.end; ++minor) {
         if (!lies_below(field, cell_at<x_major>(major, minor), part.lowest)) return false;
     }
@@ -415,6 +422,12 @@ cells_below_short_segment(const Field& field, const glm::dvec3& a, const glm::dv
     // Clear of rounding in the exact traversal, which is a few ulps; and rounding to T keeps the order.
     const auto lowest = static_cast<typename Field::Scalar>(
         glm::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z)));
+    if constexpr (QuickHeightField<Field>) {
+        const bool surely = columns + rows < 4 ? field.surely_below(low, high, lowest)
+                                               : field.surely_below(low, {high.i, low.j}, lowest) &&
+                                                     field.surely_below({low.i, high.j}, high, lowest);
+        if (surely) return columns * rows;
+    }
     const auto below = [lowest](const auto& patch) { return patch && patch->highest() < lowest; };
     // One cell or two, which is hard to predict. To look at one cell twice costs less than a wrong prediction.
     if (!below(field.patch(low)) || !below(field.patch(high))) return 0;
