@@ -3,13 +3,16 @@
 #include "edits.hpp"
 
 #include <bad_input.hpp>
-#include <ground.hpp>
 
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
+#include <hfh/contact/level_change.hpp>
 #include <hfh/force/damping.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/terrain/blended_field.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace viewer {
@@ -19,7 +22,7 @@ template <hfh::Sample S>
 class GroundOf final : public FeltGround {
 public:
     GroundOf(const demo::Heights<S>& heights, const hfh::GridFrame& frame)
-        : field_{heights, frame}, edits_{heights, frame} {
+        : field_{hfh::StridedLevels{heights}, frame}, edits_{heights, frame} {
         if (field_.status() != hfh::GridStatus::ok)
             throw demo::BadInput{
                 "The terrain makes no surface: its spacing or its height scale is out of range."};
@@ -54,9 +57,14 @@ public:
         return patch ? patch->height(u - static_cast<double>(cell.i), v - static_cast<double>(cell.j)) : none;
     }
 
-    [[nodiscard]] double level() const noexcept override { return 0; }
-    [[nodiscard]] double coarsest_level() const noexcept override { return 0; }
-    glm::dvec3 set_level(double, const glm::dvec3& stylus) noexcept override { return stylus; }
+    [[nodiscard]] double level() const noexcept override { return field_.level(); }
+    [[nodiscard]] double coarsest_level() const noexcept override {
+        // Eight cells across are the fewest that look like a terrain.
+        return std::max(0, field_.level_count() - 4);
+    }
+    double set_level(double level) noexcept override {
+        return hfh::change_level(field_, std::clamp(level, 0.0, coarsest_level()), tracker_, friction_);
+    }
 
     void begin_stroke() noexcept override { edits_.begin_stroke(); }
     bool paint(const Spot& spot, hfh::Index& row, SampleRange& changed) noexcept override {
@@ -68,7 +76,7 @@ public:
     [[nodiscard]] double largest_radius() const noexcept override { return edits_.largest_radius(); }
 
 private:
-    using Field = hfh::BilinearGrid<double, demo::Heights<S>>;
+    using Field = hfh::BlendedField<double, hfh::StridedLevels<demo::Heights<S>>>;
 
     Field field_;
     hfh::ProxyTracker<Field> tracker_{field_, {.max_contact_patches = 8}};

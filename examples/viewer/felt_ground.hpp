@@ -48,9 +48,9 @@ public:
     /// The level at which the ground is felt, and the coarsest one there is.
     [[nodiscard]] virtual double level() const noexcept = 0;
     [[nodiscard]] virtual double coarsest_level() const noexcept = 0;
-    /// Changes the level. Gives where a stylus at `stylus` belongs afterwards: where there is contact, as far from the proxy
-    /// as before.
-    virtual glm::dvec3 set_level(double level, const glm::dvec3& stylus) noexcept = 0;
+    /// Changes the level, and touch goes along. Gives how far the ground rose there, in metres: the stylus has to be moved by as
+    /// much before its next update.
+    virtual double set_level(double level) noexcept = 0;
 
     /// Begins a stroke of the brush, which one `undo` takes back.
     virtual void begin_stroke() noexcept = 0;

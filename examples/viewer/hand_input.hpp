@@ -52,6 +52,7 @@ struct HandInput {
     glm::dvec2 pan{0.0}; ///< total: m in the hand by which the terrain has been moved
     Feel feel;
     LevelChoice level;
+    double finest_loaded = 0; ///< level whose samples around the hand are in memory
     Brush brush;
     unsigned undos = 0;           ///< total
     unsigned resets = 0;          ///< total: back to the whole terrain
@@ -83,15 +84,15 @@ struct HandState {
     bool over_ground = false;
     hfh::ContactStatus status = hfh::ContactStatus::free;
     hfh::GuardTrip trip = hfh::GuardTrip::none;
-    double scale = 1;         ///< m of terrain per m of hand
-    glm::dvec3 offset{0.0};   ///< m of terrain: where the middle of the workspace is
-    double middle = 0;        ///< m at the hand: height of the ground in the middle of the workspace
-    double level = 0;         ///< at which the ground is felt
-    double microseconds = 0;  ///< that the last update took
-    bool level_waits = false; ///< for its samples to be in memory
-    std::uint64_t edit = 0;   ///< number of the last edit
-    SampleRange edited{};     ///< all samples changed since the edit that the display has seen
-    unsigned undoable = 0;    ///< strokes that can be undone
+    double scale = 1;        ///< m of terrain per m of hand
+    glm::dvec3 offset{0.0};  ///< m of terrain: where the middle of the workspace is
+    double middle = 0;       ///< m at the hand: height of the ground in the middle of the workspace
+    double level = 0;        ///< at which the ground is felt
+    double microseconds = 0; ///< that the last update took
+    double wanted_level = 0; ///< at which it will be felt, once the samples are in memory
+    std::uint64_t edit = 0;  ///< number of the last edit
+    SampleRange edited{};    ///< all samples changed since the edit that the display has seen
+    unsigned undoable = 0;   ///< strokes that can be undone
     bool has_touched = false;
 
     [[nodiscard]] bool touching() const noexcept {

@@ -28,8 +28,10 @@ hfh::GuardLimits limits_of(const hfh::DeviceCapabilities& device) noexcept {
 } // namespace
 
 Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
-    : ground_{&ground}, settings_{std::move(settings)}, model_{model_of(settings_.device)}, workspace_{{}},
-      guard_{limits_of(model_.capabilities)}, mouse_{hfh::HandGrip{}.stiffness, glm::dvec3{0.0}} {
+    : ground_{&ground}, settings_{std::move(settings)}, cell_{settings_.cell}, model_{model_of(
+                                                                                   settings_.device)},
+      workspace_{{}}, guard_{limits_of(model_.capabilities)}, mouse_{hfh::HandGrip{}.stiffness,
+                                                                     glm::dvec3{0.0}} {
     show_whole_terrain();
     told_.feel.stiffness = before_.feel.stiffness = default_stiffness();
     if (!settings_.path.empty()) {
@@ -122,41 +124,36 @@ void Haptics::take_input() noexcept {
 
 /// Zooms about what is touched, or about the ground below the stylus; and moves the terrain under the hand.
 void Haptics::change_scale() noexcept {
-    hfh::WorkspaceFrame frame = workspace_.frame();
     if (zoom_left_ != 0) {
         const double step = std::clamp(zoom_left_, -zoom_rate * period(), zoom_rate * period());
         zoom_left_ = std::abs(zoom_left_) <= std::abs(step) ? 0 : zoom_left_ - step;
-        const double scale = std::clamp(frame.scale * std::exp2(-step), smallest_scale_, largest_scale_);
-        const glm::dvec3 about = state_.proxy;
-        const glm::dvec3 at_hand = workspace_.to_hand(about);
-        frame.scale = scale;
-        frame.offset = about - scale * at_hand;
+        const double scale =
+            std::clamp(workspace_.frame().scale * std::exp2(-step), smallest_scale_, largest_scale_);
+        (void)workspace_.zoom(scale, contact_.touching() ? contact_.proxy : last_stylus_);
     }
     const glm::dvec2 moved = told_.pan - before_.pan;
     before_.pan = told_.pan;
     if (moved != glm::dvec2{0.0}) {
         // The ground comes along in height, so that it stays under the hand.
         const glm::dvec3 from{workspace_.to_terrain(wanted_)};
-        const glm::dvec2 way = moved * frame.scale;
-        const double before = ground_->height({from.x, from.y}),
-                     after = ground_->height({from.x - way.x, from.y - way.y});
-        frame.offset -= glm::dvec3{way, std::isfinite(after - before) ? before - after : 0.0};
+        const glm::dvec2 way = -workspace_.frame().scale * moved;
+        const double rise =
+            ground_->height({from.x + way.x, from.y + way.y}) - ground_->height({from.x, from.y});
+        (void)workspace_.move({way, std::isfinite(rise) ? rise : 0.0});
         ground_->reset();
         guard_.restart();
     }
-    if (frame.scale != workspace_.frame().scale || frame.offset != workspace_.frame().offset)
-        workspace_ = hfh::Workspace<double>{frame};
 }
 
-double Haptics::level_for_scale() const noexcept { return 0; }
-
+/// The level waits for its samples to be in memory, the hand does not.
 void Haptics::change_level() noexcept {
-    const double level = told_.level.by_scale ? level_for_scale() : told_.level.level;
-    if (level == ground_->level()) return;
-    const glm::dvec3 stylus = ground_->set_level(level, last_stylus_);
-    hfh::WorkspaceFrame frame = workspace_.frame();
-    frame.offset += stylus - last_stylus_;
-    workspace_ = hfh::Workspace<double>{frame};
+    const LevelChoice& choice = told_.level;
+    const double by_scale = hfh::suitable_level(workspace_.frame().scale, cell_, choice.cell_at_hand);
+    const double wanted =
+        std::clamp(choice.by_scale ? by_scale : choice.level, 0.0, ground_->coarsest_level());
+    const double level = std::max(wanted, told_.finest_loaded);
+    state_.wanted_level = wanted;
+    if (level != ground_->level()) (void)workspace_.move({0, 0, ground_->set_level(level)});
 }
 
 double Haptics::ground_at_hand(const glm::dvec2& terrain) const noexcept {

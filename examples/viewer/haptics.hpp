@@ -25,7 +25,8 @@ struct HapticsSettings {
     DeviceKind device = DeviceKind::touch;
     std::optional<double> stiffness;      ///< N/m at the hand; none: the device's
     std::vector<demo::StylusSample> path; ///< in the terrain; empty: the pointer moves the hand
-    glm::dvec2 size{0.0};                 ///< m of terrain, from the south-west sample
+    glm::dvec2 size{0.0};                 ///< m of terrain, from the south-west sample to the north-east one
+    double cell = 1;                      ///< m of terrain between samples
 };
 
 /// The half of the program that is about the hand: everything that happens in one update of a millisecond, and what goes to
@@ -75,11 +76,11 @@ private:
     hfh::GuardedForce feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept;
     void publish(const glm::dvec3& hand, const glm::dvec3& stylus, const hfh::GuardedForce& felt) noexcept;
     void show_whole_terrain() noexcept;
-    [[nodiscard]] double level_for_scale() const noexcept;
     [[nodiscard]] double ground_at_hand(const glm::dvec2& terrain) const noexcept;
 
     FeltGround* ground_;
     HapticsSettings settings_;
+    double cell_;
     hfh::DeviceModel model_;
     hfh::Workspace<double> workspace_;
     hfh::VelocityFilter<double> velocity_;

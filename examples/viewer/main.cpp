@@ -13,6 +13,7 @@
 #include <terrain_files.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 
@@ -51,8 +52,9 @@ Program::Program(const Options& asked)
     HapticsSettings settings;
     settings.device = options.device;
     settings.stiffness = options.stiffness;
-    settings.size = frame.spacing *
-                    glm::dvec2{static_cast<double>(displayed.columns - 1), static_cast<double>(displayed.rows - 1)};
+    settings.size = frame.spacing * glm::dvec2{static_cast<double>(displayed.columns - 1),
+                                               static_cast<double>(displayed.rows - 1)};
+    settings.cell = std::sqrt(frame.spacing.x * frame.spacing.y);
     if (options.path) settings.path = path_from(*options.path);
     haptics.emplace(*ground, std::move(settings));
     if (options.record) record.emplace(*options.record);

@@ -113,7 +113,7 @@ Board readouts(const OverlayText& text, float pixels) {
               hand.over_ground || hand.touching() ? length_text(hand.proxy.z, text.feet, 5) : "none");
     board.add("slope", fixed(text.slope * 57.29577951308232, 0) + "\u00b0");
     board.add("scale", "1 mm of hand = " + length_text(1e-3 * hand.scale, text.feet, 3));
-    board.add("level", fixed(hand.level, 1) + (hand.level_waits ? ", waits for the disk" : ""));
+    board.add("level", fixed(hand.level, 1) + (hand.wanted_level < hand.level ? ", waits for the disk" : ""));
     return board;
 }
 

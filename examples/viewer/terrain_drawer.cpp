@@ -26,6 +26,12 @@ glm::vec3 light_from(const Camera& camera, double azimuth, double elevation) noe
                                 std::sin(elevation)}};
 }
 
+/// Where in the levels the innermost window is: that of the hand's level, if it is there.
+std::size_t innermost(const LoadedLevels& levels, double hand_level) noexcept {
+    const int wanted = static_cast<int>(std::floor(hand_level)) - levels.levels.front()->level;
+    return static_cast<std::size_t>(std::clamp(wanted, 0, static_cast<int>(levels.levels.size()) - 1));
+}
+
 } // namespace
 
 TerrainDrawer::TerrainDrawer(const DisplayedTerrain& terrain, int n)
@@ -101,8 +107,8 @@ double TerrainDrawer::blend(const LoadedLevels& levels, int level, const glm::dv
     const double width = morph_width(n_), inner = 0.5 * (n_ - 1) - 2 - width;
     const double away = std::max(std::abs(from_middle.x), std::abs(from_middle.y)) - inner;
     const double morph = std::clamp(away / width, 0.0, 1.0);
-    const bool innermost = level == levels.levels.front()->level;
-    return innermost ? std::max(std::clamp(hand_level - level, 0.0, 1.0), morph) : morph;
+    const bool is_first = level == levels.levels[innermost(levels, hand_level)]->level;
+    return is_first ? std::max(std::clamp(hand_level - level, 0.0, 1.0), morph) : morph;
 }
 
 void TerrainDrawer::set_uniforms(const LoadedLevels& levels, const TerrainView& view,
@@ -137,8 +143,8 @@ void TerrainDrawer::set_uniforms(const LoadedLevels& levels, const TerrainView& 
 DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& view,
                                  const glm::ivec2& size) {
     DrawnTerrain drawn;
-    const int innermost = levels.levels.front()->level;
-    drawn.level = std::max(view.level, static_cast<double>(innermost));
+    const std::size_t first_level = innermost(levels, view.level);
+    drawn.level = std::max(view.level, static_cast<double>(levels.levels[first_level]->level));
     for (const auto& level : levels.levels) {
         if (cards_.size() <= static_cast<std::size_t>(level->level))
             cards_.resize(static_cast<std::size_t>(level->level) + 1);
@@ -163,7 +169,7 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
     set_uniforms(levels, view, size);
 
     hfh::Cell finer{};
-    for (std::size_t k = 0; k < levels.levels.size(); ++k) {
+    for (std::size_t k = first_level; k < levels.levels.size(); ++k) {
         const LoadedLevel& level = *levels.levels[k];
         const double vertex = std::exp2(level.level);
         program_.set("origin",
@@ -172,13 +178,14 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
         program_.set("middle",
                      glm::vec2{levels.place / vertex - glm::dvec2{static_cast<double>(level.origin.i),
                                                                   static_cast<double>(level.origin.j)}});
-        program_.set("least_blend",
-                     k == 0 ? static_cast<float>(std::clamp(view.level - level.level, 0.0, 1.0)) : 0.0f);
+        program_.set("least_blend", k == first_level
+                                        ? static_cast<float>(std::clamp(view.level - level.level, 0.0, 1.0))
+                                        : 0.0f);
         const double pixels = vertex * terrain_->spacing.x / view.scale / view.camera.pixel_size(size);
         program_.set("cell_lines",
                      view.look.cells ? static_cast<float>(std::clamp((pixels - 10) / 14, 0.0, 1.0)) : 0.0f);
         Piece piece = whole_;
-        if (k > 0) {
+        if (k > first_level) {
             const hfh::Index first = (n_ - 3) / 4;
             const hfh::Index x = finer.i / 2 - level.origin.i - first,
                              y = finer.j / 2 - level.origin.j - first;

@@ -81,6 +81,7 @@ void Viewer::tell_hand(const FrameInput& input, const glm::ivec2& size) {
     told_.undos += input.undoes;
     told_.resets += input.goes_home;
     told_.edits_seen = edits_asked_;
+    if (levels_) told_.finest_loaded = levels_->levels.front()->level;
     haptics_->tell(told_);
 }
 
@@ -97,7 +98,7 @@ void Viewer::follow() {
 
 void Viewer::ask_for_levels() {
     follow();
-    LevelRequest request{.place = place_, .finest = static_cast<int>(std::floor(hand_.level))};
+    LevelRequest request{.place = place_, .finest = static_cast<int>(std::floor(hand_.wanted_level))};
     if (hand_.edit != edits_asked_) {
         request.changed = hand_.edited;
         edits_asked_ = hand_.edit;
