@@ -91,7 +91,7 @@ void run_in_window(Program& program) {
     Viewer viewer{program.terrain,  program.displayed, program.frame,
                   *program.haptics, window_size(),     window.pixels()};
     if (program.record) viewer.record_to(&*program.record);
-    window.attach_layer();
+    const Window::LayerInput layer_input{window};
     HapticThread haptic{[&] { program.haptics->tick(); }};
     std::uint64_t frames = 0;
     const auto start = Clock::now();

@@ -64,7 +64,7 @@ void main() {
     vec3 normal = normalize(vec3(-slope * relief, 1.0));
     float lit = max(dot(normal, light), 0.0);
     float filled = max(dot(normal, fill_light), 0.0);
-    float shade = 0.24 + 0.78 * lit + 0.14 * filled;
+    float shade = 0.30 + 0.86 * lit + 0.16 * filled;
     vec3 tint = texture(palette, (height - tints.x) / max(tints.y - tints.x, 1e-6)).rgb;
     vec3 ground = tint * shade;
     if (contour_interval > 0.0) {

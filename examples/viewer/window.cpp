@@ -105,7 +105,6 @@ Window::Window(const std::string& title, const glm::ivec2& size) : state_{std::m
 }
 
 Window::~Window() {
-    if (state_->has_layer) ImGui_ImplGlfw_Shutdown();
     glfwDestroyWindow(state_->window);
     glfwTerminate();
 }
@@ -125,9 +124,14 @@ float Window::pixels() const {
 bool Window::is_open() const { return glfwWindowShouldClose(state_->window) == GLFW_FALSE; }
 void Window::close() { glfwSetWindowShouldClose(state_->window, GLFW_TRUE); }
 
-void Window::attach_layer() {
-    ImGui_ImplGlfw_InitForOpenGL(state_->window, true);
-    state_->has_layer = true;
+Window::LayerInput::LayerInput(Window& window) : window_{&window} {
+    ImGui_ImplGlfw_InitForOpenGL(window.state_->window, true);
+    window.state_->has_layer = true;
+}
+
+Window::LayerInput::~LayerInput() {
+    window_->state_->has_layer = false;
+    ImGui_ImplGlfw_Shutdown();
 }
 
 FrameInput Window::begin_frame(Viewer& viewer) {

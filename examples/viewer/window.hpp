@@ -24,8 +24,17 @@ public:
     [[nodiscard]] bool is_open() const;
     void close();
 
-    /// To be called once the layer of Dear ImGui is there: it shall see mouse and keys as well, and first.
-    void attach_layer();
+    /// While it is there, the layer of Dear ImGui sees mouse and keys as well, and first. Has to end before the layer does.
+    class LayerInput {
+    public:
+        explicit LayerInput(Window& window);
+        ~LayerInput();
+        LayerInput(const LayerInput&) = delete;
+        LayerInput& operator=(const LayerInput&) = delete;
+
+    private:
+        Window* window_;
+    };
     /// What a person did since the last call. Begins a frame of Dear ImGui.
     [[nodiscard]] FrameInput begin_frame(Viewer& viewer);
     /// Shows what was drawn, at the screen's rate.
