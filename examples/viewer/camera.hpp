@@ -21,7 +21,7 @@ struct Camera {
     glm::dvec3 target{0.0};
     double azimuth = 0;      ///< radians: to where the eye looks, clockwise from north
     double elevation = 0.9;  ///< radians above the horizon
-    double distance = 0.26;  ///< m
+    double distance = 0.235; ///< m
     double exaggeration = 1; ///< of heights, about the target's
 
     static constexpr double field_of_view = 0.6; ///< radians, from top to bottom

@@ -162,6 +162,15 @@ double Haptics::ground_at_hand(const glm::dvec2& terrain) const noexcept {
                               : (height - workspace_.frame().offset.z) / workspace_.frame().scale;
 }
 
+glm::dvec3 Haptics::ground_normal(const glm::dvec2& terrain) const noexcept {
+    const double d = 0.25 * cell_ * std::exp2(std::floor(ground_->level()));
+    const auto across = [&](const glm::dvec2& step) {
+        return (ground_->height(terrain + step) - ground_->height(terrain - step)) / (2 * d);
+    };
+    const glm::dvec3 normal{-across({d, 0}), -across({0, d}), 1};
+    return hfh::is_finite(normal) ? glm::normalize(normal) : glm::dvec3{0, 0, 1};
+}
+
 void Haptics::move_hand() noexcept {
     if (path_) {
         wanted_ = workspace_.to_hand(path_->at(static_cast<double>(updates_) * period()));
@@ -237,7 +246,7 @@ void Haptics::publish(const glm::dvec3& hand, const glm::dvec3& stylus,
     state_.status = contact_.status;
     state_.trip = felt.trip;
     state_.force = felt.newtons;
-    state_.normal = contact_.normal;
+    state_.normal = contact_.touching() ? contact_.normal : ground_normal({stylus.x, stylus.y});
     state_.has_touched = state_.has_touched || contact_.touching();
     const double height = ground_->height({stylus.x, stylus.y});
     state_.over_ground = !std::isnan(height);

@@ -76,6 +76,7 @@ private:
     hfh::GuardedForce feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept;
     void publish(const glm::dvec3& hand, const glm::dvec3& stylus, const hfh::GuardedForce& felt) noexcept;
     void show_whole_terrain() noexcept;
+    [[nodiscard]] glm::dvec3 ground_normal(const glm::dvec2& terrain) const noexcept;
     [[nodiscard]] double ground_at_hand(const glm::dvec2& terrain) const noexcept;
 
     FeltGround* ground_;

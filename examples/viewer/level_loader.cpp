@@ -90,7 +90,8 @@ void LevelLoader::load(const LevelRequest& request) {
         auto& loaded = loaded_[static_cast<std::size_t>(level)];
         if (!loaded || loaded->version != window.version()) {
             loaded = std::make_shared<const LoadedLevel>(
-                LoadedLevel{level, window.origin(), window.version(), window.has_holes(), window.vertices()});
+                LoadedLevel{level, window.origin(), window.version(), window.has_holes(),
+                            window.height_range(), window.vertices()});
         }
         if (level > finest && Clock::now() - shown > patience) {
             publish(request, level);
@@ -104,7 +105,6 @@ void LevelLoader::publish(const LevelRequest& request, int finest) {
     auto set = std::make_shared<LoadedLevels>();
     set->place = request.place;
     set->levels.assign(loaded_.begin() + finest, loaded_.end());
-    set->height_range = windows_.back().height_range();
     set->steepness = steepness(set->levels.front()->vertices);
     set->edit = request.edit;
     for (const LevelWindow& window : windows_) set->samples_read += window.samples_read();

@@ -24,7 +24,6 @@ struct LoadedLevel {
 struct LoadedLevels {
     glm::dvec2 place{0.0}; ///< samples: the middle of all windows
     std::vector<std::shared_ptr<const LoadedLevel>> levels;
-    glm::vec2 height_range{0.0f};   ///< m above the datum, of the coarsest one
     float steepness = 0;            ///< mean size of the slopes in the finest one
     std::uint64_t edit = 0;         ///< of `LevelRequest`
     std::uint64_t samples_read = 0; ///< total

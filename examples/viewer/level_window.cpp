@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace viewer {
 namespace {
@@ -138,15 +137,6 @@ std::vector<LevelVertex> LevelWindow::vertices() const {
         }
     }
     return vertices;
-}
-
-glm::vec2 LevelWindow::height_range() const {
-    glm::vec2 range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
-    for (const float z : heights_) {
-        if (std::isnan(z)) continue;
-        range = {std::min(range.x, z), std::max(range.y, z)};
-    }
-    return range.x <= range.y ? range : glm::vec2{0.0f};
 }
 
 } // namespace viewer

@@ -58,9 +58,6 @@ public:
 
     /// The n × n vertices, row by row from the south-west.
     [[nodiscard]] std::vector<LevelVertex> vertices() const;
-    /// The lowest and highest heights in the window, above the datum; nothing in it: both 0.
-    [[nodiscard]] glm::vec2 height_range() const;
-
     /// Where a window of this level has its origin for a place: shared by all windows, so that they fit into each other.
     [[nodiscard]] static hfh::Cell origin_for(const glm::dvec2& place, int level, int n) noexcept;
 

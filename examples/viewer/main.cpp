@@ -68,7 +68,7 @@ int window_size() { return is_software_renderer() ? 127 : 255; }
 void draw_screenshot(Program& program) {
     const OffscreenContext context;
     const glm::ivec2 size = program.options.size;
-    const OffscreenFrame target{size};
+    const OffscreenFrame target{size, 4}, picture{size};
     Viewer viewer{program.terrain, program.displayed, program.frame, *program.haptics, window_size(), 1.0f};
     if (program.record) viewer.record_to(&*program.record);
     constexpr double seconds = 1.0 / 30;
@@ -83,6 +83,7 @@ void draw_screenshot(Program& program) {
         input.pressing = k > frames / 4;
         (void)viewer.frame(input, size, seconds, true);
     }
+    target.resolve_into(picture);
     write_png(*program.screenshot, read_colours(size), size);
 }
 

@@ -113,7 +113,7 @@ void MarkerDrawer::draw_items(const std::vector<Item>& items, const Camera& came
 void MarkerDrawer::draw(const TouchMarkers& touch, const Camera& camera, const glm::ivec2& size) {
     const double pixel = camera.pixel_size(size) * touch.pixel;
     std::vector<Item> items;
-    const glm::dvec3 lean = glm::normalize(glm::dvec3{camera.right() * 0.32 - camera.ahead() * 0.28, 0.9});
+    const glm::dvec3 lean = glm::normalize(glm::dvec3{camera.right() * 0.75 + camera.ahead() * 0.1, 0.62});
     items.push_back({&pen_, touch.stylus, lean, 5.5 * pixel, 90 * pixel, colours::stylus, true});
     items.push_back({&ball_, touch.stylus, {0, 0, 1}, 4 * pixel, 4 * pixel, colours::stylus, true});
     if (touch.touching) {
@@ -144,7 +144,7 @@ void MarkerDrawer::draw(const TouchMarkers& touch, const Camera& camera, const g
             items.push_back(
                 {&cylinder_, touch.stylus, way / high, 0.8 * pixel, high, colours::wanted, false});
     }
-    const float outline = static_cast<float>(1.6 * pixel);
+    const float outline = static_cast<float>(2 * pixel);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);

@@ -30,14 +30,14 @@ struct TouchMarkers {
 };
 
 /// Draws the stylus as a pen whose tip is the device's point, the proxy as a ball, the penetration as a thin line between
-/// them, and the force as an arrow of 10 mm a newton. All have the same size on the screen at any zoom. What is below the ground is seen through it,
+/// them, and the force as an arrow of 14 mm a newton. All have the same size on the screen at any zoom. What is below the ground is seen through it,
 /// paler.
 class MarkerDrawer {
 public:
     MarkerDrawer();
     void draw(const TouchMarkers& touch, const Camera& camera, const glm::ivec2& size);
 
-    static constexpr double metres_per_newton = 10e-3; ///< m at the hand
+    static constexpr double metres_per_newton = 14e-3; ///< m at the hand
     static constexpr double proxy_radius = 6;          ///< pixels
 
 private:

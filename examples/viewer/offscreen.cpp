@@ -45,7 +45,7 @@ OffscreenContext::OffscreenContext() : egl_{std::make_unique<Egl>()} {
 
 OffscreenContext::~OffscreenContext() = default;
 
-OffscreenFrame::OffscreenFrame(const glm::ivec2& size) : size_{size} {
+OffscreenFrame::OffscreenFrame(const glm::ivec2& size, int samples) : size_{size} {
     std::array<GLuint, 2> buffers{};
     GLuint frame = 0;
     glGenFramebuffers(1, &frame);
@@ -55,9 +55,9 @@ OffscreenFrame::OffscreenFrame(const glm::ivec2& size) : size_{size} {
     depth_ = GlRenderbuffer{buffers[1]};
     bind();
     glBindRenderbuffer(GL_RENDERBUFFER, colour_.get());
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, size.x, size.y);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA8, size.x, size.y);
     glBindRenderbuffer(GL_RENDERBUFFER, depth_.get());
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, size.x, size.y);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, size.x, size.y);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_.get());
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.get());
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
@@ -67,6 +67,13 @@ OffscreenFrame::OffscreenFrame(const glm::ivec2& size) : size_{size} {
 }
 
 void OffscreenFrame::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, frame_.get()); }
+
+void OffscreenFrame::resolve_into(const OffscreenFrame& other) const {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_.get());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other.frame_.get());
+    glBlitFramebuffer(0, 0, size_.x, size_.y, 0, 0, size_.x, size_.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    other.bind();
+}
 
 std::vector<std::uint8_t> read_colours(const glm::ivec2& size) {
     std::vector<std::uint8_t> colours(3 * static_cast<std::size_t>(size.x) *

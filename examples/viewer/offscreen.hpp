@@ -23,11 +23,14 @@ private:
     std::unique_ptr<Egl> egl_;
 };
 
-/// A framebuffer to draw into without a window, and what was drawn.
+/// A framebuffer to draw into without a window.
 class OffscreenFrame {
 public:
-    explicit OffscreenFrame(const glm::ivec2& size);
+    /// `samples`: in a pixel, for smooth edges; 0 for a depth in each pixel that can be read.
+    explicit OffscreenFrame(const glm::ivec2& size, int samples = 0);
     void bind() const;
+    /// Brings what was drawn into `other`, which is of the same size, and binds it.
+    void resolve_into(const OffscreenFrame& other) const;
     [[nodiscard]] const glm::ivec2& size() const noexcept { return size_; }
 
 private:

@@ -95,7 +95,7 @@ PanelWishes draw_panel(Settings& settings, const HandState& hand, double coarses
             level_sliders(settings.level, hand, coarsest_level);
         if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen))
             brush_controls(settings.brush, hand, wishes, settings.save_as);
-        if (ImGui::CollapsingHeader("Look", ImGuiTreeNodeFlags_DefaultOpen)) look_sliders(settings);
+        if (ImGui::CollapsingHeader("Look")) look_sliders(settings);
         if (ImGui::Button("whole terrain")) wishes.home = true;
         ImGui::SameLine();
         if (ImGui::Button("keys")) settings.shows_keys = !settings.shows_keys;

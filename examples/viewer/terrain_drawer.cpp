@@ -129,7 +129,7 @@ void TerrainDrawer::set_uniforms(const LoadedLevels& levels, const TerrainView& 
     program_.set("matrix", glm::mat4{view.camera.matrix(size)});
     program_.set("morph_width", static_cast<float>(morph_width(n_)));
     program_.set("palette", 0);
-    program_.set("tints", levels.height_range);
+    program_.set("tints", view.tints);
     const double exaggeration = view.camera.exaggeration;
     program_.set("relief", fitting_relief(levels.steepness) *
                                static_cast<float>(look.relief * std::sqrt(exaggeration)));
@@ -182,8 +182,9 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
                                         ? static_cast<float>(std::clamp(view.level - level.level, 0.0, 1.0))
                                         : 0.0f);
         const double pixels = vertex * terrain_->spacing.x / view.scale / view.camera.pixel_size(size);
-        program_.set("cell_lines",
-                     view.look.cells ? static_cast<float>(std::clamp((pixels - 10) / 14, 0.0, 1.0)) : 0.0f);
+        program_.set("cell_lines", view.look.cells && k == first_level
+                                       ? static_cast<float>(std::clamp((pixels - 24) / 24, 0.0, 1.0))
+                                       : 0.0f);
         Piece piece = whole_;
         if (k > first_level) {
             const hfh::Index first = (n_ - 3) / 4;

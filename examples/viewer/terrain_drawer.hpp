@@ -28,6 +28,7 @@ struct TerrainView {
     glm::dvec3 offset{0.0};        ///< m of terrain at the middle of the hand's workspace
     double level = 0;              ///< that of the hand: it is drawn around the middle of the windows
     double contour_interval = 100; ///< m
+    glm::vec2 tints{0.0f}; ///< m above the datum: the lowest and the highest height that tints tell apart
     Look look;
 };
 

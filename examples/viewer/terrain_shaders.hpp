@@ -52,11 +52,12 @@ uniform float datum_in_intervals;          // the fraction of the datum, in cont
 uniform float cell_lines;                  // 0 to 1
 out vec4 colour;
 
-// 1 on a line at whole numbers of x, 0 a pixel beside it.
+// 1 on a line at whole numbers of x, 0 a pixel beside it. None where lines would be too close, or x hardly changes.
 float line(float x, float width) {
     float change = max(fwidth(x), 1e-6);
     float away = abs(fract(x - 0.5) - 0.5) / change;
-    return clamp(width + 0.5 - away, 0.0, 1.0) * clamp(1.4 - 3.0 * change, 0.0, 1.0);
+    return clamp(width + 0.5 - away, 0.0, 1.0) * clamp(1.4 - 3.0 * change, 0.0, 1.0) *
+           clamp(3000.0 * change, 0.0, 1.0);
 }
 
 void main() {

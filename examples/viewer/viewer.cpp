@@ -8,6 +8,7 @@
 
 #include <imgui.h>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -19,10 +20,10 @@ namespace {
 
 constexpr double radians_per_pixel = 0.006;
 
-/// Contours are 8 mm apart in the hand where the ground is as steep as in the mean.
+/// Contours are about 9 mm apart in the hand where the ground is as steep as in the mean.
 double contour_interval(double scale, double steepness, bool feet) noexcept {
     const double unit = feet ? 0.3048 : 1.0;
-    return unit * round_number(8e-3 * scale * std::clamp(steepness, 1e-3, 1.0) / unit);
+    return unit * round_number(9e-3 * scale * std::clamp(steepness, 1e-3, 1.0) / unit);
 }
 
 } // namespace
@@ -126,12 +127,14 @@ FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, doubl
     if (waits) loader_.wait();
     levels_ = loader_.newest();
 
+    adapt_tints(size, waits ? 1.0 : std::min(1.0, 3 * seconds));
     view_ = {.camera = camera_,
              .scale = hand_.scale,
              .offset = hand_.offset,
              .level = hand_.level,
              .contour_interval = contour_interval(
                  hand_.scale, levels_ ? static_cast<double>(levels_->steepness) : 1.0, settings_.feet),
+             .tints = tints_,
              .look = settings_.look};
     glViewport(0, 0, size.x, size.y);
     glClearColor(0.72f, 0.79f, 0.86f, 1);
@@ -155,6 +158,31 @@ FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, doubl
     return report_;
 }
 
+/// The tints are those of the heights that are about in the picture, so that a single slope shows its forms as well as a range of
+/// mountains does.
+void Viewer::adapt_tints(const glm::ivec2& size, double share) {
+    if (!levels_) return;
+    // Samples from the middle to the side of the picture, and the finest level whose window reaches so far.
+    const double wide = 0.5 * camera_.pixel_size(size) * size.x * hand_.scale / displayed_->spacing.x;
+    const int n = loader_.n(), finest = levels_->levels.front()->level;
+    const int level = static_cast<int>(std::ceil(std::log2(std::max(1.0, 2 * wide / n)))) - finest;
+    const LoadedLevel& seen = *levels_->levels[static_cast<std::size_t>(
+        std::clamp(level, 0, static_cast<int>(levels_->levels.size()) - 1))];
+    const int reach = std::clamp(static_cast<int>(wide / std::exp2(seen.level)), 2, n / 2);
+    glm::vec2 range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+    for (int b = n / 2 - reach; b <= n / 2 + reach; ++b) {
+        for (int a = n / 2 - reach; a <= n / 2 + reach; ++a) {
+            const LevelVertex& v = seen.vertices[static_cast<std::size_t>(b * n + a)];
+            if (v.coarse_slope.y < no_cell / 2)
+                range = {std::min(range.x, v.height), std::max(range.y, v.height)};
+        }
+    }
+    if (range.x > range.y) return;
+    range.y =
+        std::max(range.y, range.x + 1e-3f * static_cast<float>(hand_.scale)); // flat ground has one tint
+    tints_ = tints_ == glm::vec2{0.0f} ? range : glm::mix(tints_, range, static_cast<float>(share));
+}
+
 void Viewer::draw_text(const glm::ivec2& size, double seconds) {
     message_left_ -= seconds;
     if (message_left_ <= 0) message_.clear();
@@ -168,13 +196,11 @@ void Viewer::draw_text(const glm::ivec2& size, double seconds) {
                          .feet = settings_.feet,
                          .shows_hint = settings_.shows_hint,
                          .shows_keys = settings_.shows_keys,
+                         .lowest = displayed_->datum + static_cast<double>(tints_.x),
+                         .highest = displayed_->datum + static_cast<double>(tints_.y),
                          .palette = settings_.look.palette,
                          .contour_interval = settings_.look.contours ? view_.contour_interval : 0,
                          .triangles = report_.terrain.triangles};
-        if (levels_) {
-            text.lowest = displayed_->datum + static_cast<double>(levels_->height_range.x);
-            text.highest = displayed_->datum + static_cast<double>(levels_->height_range.y);
-        }
         draw_overlay(text, force_, camera_, size, layer_.pixels());
         if (settings_.shows_panel) {
             const PanelWishes wishes =

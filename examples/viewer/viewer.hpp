@@ -91,6 +91,7 @@ private:
     void tell_hand(const FrameInput& input, const glm::ivec2& size);
     void follow();
     void ask_for_levels();
+    void adapt_tints(const glm::ivec2& size, double share);
     void draw_text(const glm::ivec2& size, double seconds);
     void save();
 
@@ -110,6 +111,7 @@ private:
     HandState hand_;
     HandInput told_;
     TerrainView view_;
+    glm::vec2 tints_{0.0f}; ///< m above the datum
     std::shared_ptr<const LoadedLevels> levels_;
     glm::dvec2 place_{0.0}; ///< samples: the middle of the windows
     std::optional<LevelRequest> asked_;
