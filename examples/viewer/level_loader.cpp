@@ -91,7 +91,6 @@ void LevelLoader::load(const LevelRequest& request) {
         if (!loaded || loaded->version != window.version()) {
             loaded = std::make_shared<const LoadedLevel>(
                 LoadedLevel{level, window.origin(), window.version(), window.has_holes(),
-                            window.height_range(), window.vertices()});
         }
         if (level > finest && Clock::now() - shown > patience) {
             publish(request, level);
