@@ -90,7 +90,7 @@ void LevelLoader::load(const LevelRequest& request) {
         auto& loaded = loaded_[static_cast<std::size_t>(level)];
         if (!loaded || loaded->version != window.version()) {
             loaded = std::make_shared<const LoadedLevel>(
-                LoadedLevel{level, window.origin(), window.version(), window.has_holes(),
+                LoadedLevel{level, window.origin(), window.version(), window.has_holes(), window.vertices()});
         }
         if (level > finest && Clock::now() - shown > patience) {
             publish(request, level);
