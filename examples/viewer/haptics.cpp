@@ -103,6 +103,11 @@ hfh::DeviceCommand Haptics::update(const hfh::DeviceSample& sample) noexcept {
     return {felt.newtons};
 }
 
+void Haptics::end() noexcept {
+    newtons_ = state_.force = glm::dvec3{0.0};
+    shown_.put(state_);
+}
+
 void Haptics::take_input() noexcept {
     (void)input_.take(told_);
     if (told_.resets != before_.resets) {

@@ -46,6 +46,9 @@ public:
     /// One update of a real device: the sample it gave, and the force for it.
     hfh::DeviceCommand update(const hfh::DeviceSample& sample) noexcept;
 
+    /// After the last update: no force any more.
+    void end() noexcept;
+
     /// From one other thread.
     void tell(const HandInput& input) noexcept { input_.put(input); }
     bool show(HandState& state) noexcept { return shown_.take(state); }

@@ -22,20 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Everything that both ways of running have in common.
-struct Program {
-    explicit Program(const Options& asked);
-
-    Options options;
-    demo::Terrain terrain;
-    hfh::GridFrame frame;
-    DisplayedTerrain displayed;
-    std::unique_ptr<FeltGround> ground;
-    std::optional<Haptics> haptics;
-    std::optional<demo::Record> record;
-    std::optional<demo::OutputFile> screenshot;
-};
-
 std::vector<demo::StylusSample> path_from(const std::filesystem::path& file) {
     demo::StylusPathFile rows{file};
     std::vector<demo::StylusSample> path;
@@ -43,20 +29,27 @@ std::vector<demo::StylusSample> path_from(const std::filesystem::path& file) {
     return path;
 }
 
-Program::Program(const Options& asked)
-    : options{asked}, terrain{demo::open_terrain(options)}, frame{demo::frame_of(terrain, options)},
-      displayed{displayed_terrain(terrain, frame)}, ground{make_felt_ground(terrain, frame)} {
+/// A terrain as the options want it, and what is written about it. Refused if an output would take the terrain's place.
+struct Program {
+    explicit Program(const Options& asked);
+
+    Options options;
+    std::optional<TouchedTerrain> touched;
+    std::optional<demo::Record> record;
+    std::optional<demo::OutputFile> screenshot;
+};
+
+Program::Program(const Options& asked) : options{asked} {
+    demo::Terrain terrain = demo::open_terrain(options);
     const std::filesystem::path file = demo::terrain_file(options);
     if (options.record) demo::refuse_to_replace_terrain(file, "--record", *options.record);
     if (options.screenshot) demo::refuse_to_replace_terrain(file, "--screenshot", *options.screenshot);
     HapticsSettings settings;
     settings.device = options.device;
     settings.stiffness = options.stiffness;
-    settings.size = frame.spacing * glm::dvec2{static_cast<double>(displayed.columns - 1),
-                                               static_cast<double>(displayed.rows - 1)};
-    settings.cell = std::sqrt(frame.spacing.x * frame.spacing.y);
     if (options.path) settings.path = path_from(*options.path);
-    haptics.emplace(*ground, std::move(settings));
+    const hfh::GridFrame frame = demo::frame_of(terrain, options);
+    touched.emplace(std::move(terrain), frame, std::move(settings));
     if (options.record) record.emplace(*options.record);
     if (options.screenshot) screenshot.emplace(*options.screenshot);
 }
@@ -69,12 +62,12 @@ void draw_screenshot(Program& program) {
     const OffscreenContext context;
     const glm::ivec2 size = program.options.size;
     const OffscreenFrame target{size, 4}, picture{size};
-    Viewer viewer{program.terrain, program.displayed, program.frame, *program.haptics, window_size(), 1.0f};
+    Viewer viewer{*program.touched, window_size(), 1.0f};
     if (program.record) viewer.record_to(&*program.record);
     constexpr double seconds = 1.0 / 30;
     const std::uint64_t frames = program.options.frames.value_or(60);
     for (std::uint64_t k = 0; k < frames; ++k) {
-        for (double t = 0; t < seconds; t += Haptics::period()) program.haptics->tick();
+        for (double t = 0; t < seconds; t += Haptics::period()) program.touched->haptics.tick();
         target.bind();
         viewer.layer().begin_without_window(size, static_cast<float>(seconds));
         FrameInput input;
@@ -88,12 +81,11 @@ void draw_screenshot(Program& program) {
 }
 
 void run_in_window(Program& program) {
-    Window window{program.terrain.name + " - hfh viewer", program.options.size};
-    Viewer viewer{program.terrain,  program.displayed, program.frame,
-                  *program.haptics, window_size(),     window.pixels()};
+    Window window{program.touched->terrain.name + " - hfh viewer", program.options.size};
+    Viewer viewer{*program.touched, window_size(), window.pixels()};
     if (program.record) viewer.record_to(&*program.record);
     const Window::LayerInput layer_input{window};
-    HapticThread haptic{[&] { program.haptics->tick(); }};
+    HapticThread haptic{[&] { program.touched->haptics.tick(); }};
     std::uint64_t frames = 0;
     const auto start = Clock::now();
     auto last = start;
@@ -112,6 +104,7 @@ void run_in_window(Program& program) {
         ++frames;
     }
     haptic.stop();
+    program.touched->haptics.end();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     demo::print(report(haptic.punctuality()) + "frames          " + demo::grouped(frames) + ", " +
                 demo::rounded(static_cast<double>(frames) / seconds) + " a second\n");
@@ -128,15 +121,17 @@ std::string guard_line(const hfh::GuardCounts& counts) {
 
 void run(const Options& options) {
     Program program{options};
-    demo::print(demo::report(program.terrain, demo::ground_of(program.terrain, program.frame)));
+    demo::print(demo::report(program.touched->terrain,
+                             demo::ground_of(program.touched->terrain, program.touched->frame)));
     if (options.screenshot)
         draw_screenshot(program);
     else
         run_in_window(program);
-    if (const std::uint64_t dropped = program.haptics->rows().dropped(); dropped > 0 && program.record)
+    if (const std::uint64_t dropped = program.touched->haptics.rows().dropped();
+        dropped > 0 && program.record)
         demo::print("record          " + demo::grouped(dropped) +
                     " updates are missing: the display was too slow\n");
-    demo::print(guard_line(program.haptics->guard_counts()));
+    demo::print(guard_line(program.touched->haptics.guard_counts()));
     if (program.record) {
         program.record->finish();
         program.record->keep();

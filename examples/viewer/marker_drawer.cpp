@@ -12,12 +12,10 @@ constexpr const char* vertex_shader = R"(
 layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 direction;
 uniform mat4 matrix, model;
-uniform float outline;       // m
 out vec3 normal;
 void main() {
     normal = normalize(mat3(model) * direction);
-    vec3 at = (model * vec4(place, 1.0)).xyz + outline * normal;
-    gl_Position = matrix * vec4(at, 1.0);
+    gl_Position = matrix * model * vec4(place, 1.0);
 }
 )";
 
@@ -96,13 +94,15 @@ void MarkerDrawer::draw_items(const std::vector<Item>& items, const Camera& came
     program_.set("matrix", glm::mat4{plain.matrix(size)});
     program_.set("light", glm::vec3{glm::normalize(glm::dvec3{-camera.right() * 0.5, 0.0} +
                                                    (camera.eye() - camera.target) / camera.distance)});
-    program_.set("outline", outline);
     program_.set("flat_paint", outline > 0 ? 1.0f : 0.0f);
     for (const Item& item : items) {
         if (alpha < 1 && !item.through_ground) continue;
-        glm::dvec3 at = item.at;
+        const auto rim = static_cast<double>(outline);
+        glm::dvec3 at = item.at - rim * item.direction;
+        if (item.shape == &ball_ || item.shape == &ring_) at = item.at;
         at.z = camera.target.z + camera.exaggeration * (at.z - camera.target.z);
-        program_.set("model", glm::mat4{placed(at, item.direction, item.radius, item.length)});
+        program_.set("model",
+                     glm::mat4{placed(at, item.direction, item.radius + rim, item.length + 2 * rim)});
         program_.set("paint",
                      outline > 0 ? glm::vec4{0.05f, 0.05f, 0.07f, alpha} : glm::vec4{item.colour, alpha});
         glBindVertexArray(item.shape->array.get());
@@ -144,20 +144,18 @@ void MarkerDrawer::draw(const TouchMarkers& touch, const Camera& camera, const g
             items.push_back(
                 {&cylinder_, touch.stylus, way / high, 0.8 * pixel, high, colours::wanted, false});
     }
-    const float outline = static_cast<float>(2 * pixel);
+    const float outline = static_cast<float>(1.5 * pixel);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_GREATER);
-    draw_items(items, camera, size, 0.0f, 0.45f);
-    glDepthMask(GL_TRUE);
+    draw_items(items, camera, size, 0.0f, 0.6f);
     glDisable(GL_BLEND);
     glDepthFunc(GL_LEQUAL);
-    glEnable(GL_CULL_FACE);
-    glCullFace(GL_FRONT);
+    // Rims first, without depth, so that they come behind all else.
     draw_items(items, camera, size, outline, 1.0f);
-    glDisable(GL_CULL_FACE);
+    glDepthMask(GL_TRUE);
     draw_items(items, camera, size, 0.0f, 1.0f);
     glBindVertexArray(0);
 }

@@ -134,7 +134,7 @@ void TerrainDrawer::set_uniforms(const LoadedLevels& levels, const TerrainView& 
     program_.set("relief", fitting_relief(levels.steepness) *
                                static_cast<float>(look.relief * std::sqrt(exaggeration)));
     program_.set("light", light_from(view.camera, look.light_azimuth, look.light_elevation));
-    program_.set("fill_light", light_from(view.camera, look.light_azimuth + 1.9, 0.5));
+    program_.set("fill_light", light_from(view.camera, look.light_azimuth + 2.4, 0.6));
     program_.set("contour_interval", look.contours ? static_cast<float>(view.contour_interval) : 0.0f);
     const double datum = terrain_->datum / (5 * view.contour_interval);
     program_.set("datum_in_intervals", static_cast<float>(5 * (datum - std::floor(datum))));

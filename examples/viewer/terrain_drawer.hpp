@@ -14,9 +14,9 @@ namespace viewer {
 /// How the ground looks.
 struct Look {
     std::size_t palette = 0;
-    double light_azimuth = -0.8;   ///< radians, clockwise from where the eye looks: from the upper left
-    double light_elevation = 0.75; ///< radians
-    double relief = 1;             ///< of the shading, over what suits the slopes that are seen
+    double light_azimuth = -1.3;  ///< radians, clockwise from where the eye looks: from the left
+    double light_elevation = 0.8; ///< radians
+    double relief = 1;            ///< of the shading, over what suits the slopes that are seen
     bool contours = true;
     bool cells = true; ///< grid lines, where cells are large enough
 };

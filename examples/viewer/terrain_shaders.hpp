@@ -65,7 +65,7 @@ void main() {
     vec3 normal = normalize(vec3(-slope * relief, 1.0));
     float lit = max(dot(normal, light), 0.0);
     float filled = max(dot(normal, fill_light), 0.0);
-    float shade = 0.30 + 0.86 * lit + 0.16 * filled;
+    float shade = 0.26 + 0.80 * lit + 0.28 * filled;
     vec3 tint = texture(palette, (height - tints.x) / max(tints.y - tints.x, 1e-6)).rgb;
     vec3 ground = tint * shade;
     if (contour_interval > 0.0) {
@@ -77,7 +77,7 @@ void main() {
         float grid = max(line(cell.x, 0.5), line(cell.y, 0.5));
         ground = mix(ground, vec3(0.06, 0.10, 0.22), 0.30 * cell_lines * grid);
     }
-    colour = vec4(pow(clamp(ground, 0.0, 1.0), vec3(0.92)), 1.0);
+    colour = vec4(pow(clamp(ground, 0.0, 1.0), vec3(0.85)), 1.0);
 }
 )";
 

@@ -1,6 +1,5 @@
 #include "viewer.hpp"
 
-#include "edits.hpp"
 #include "quantities.hpp"
 #include "save_terrain.hpp"
 
@@ -28,30 +27,12 @@ double contour_interval(double scale, double steepness, bool feet) noexcept {
 
 } // namespace
 
-DisplayedTerrain displayed_terrain(const demo::Terrain& terrain, const hfh::GridFrame& frame) {
-    return std::visit(
-        [&]<class S>(const demo::Heights<S>& heights) -> DisplayedTerrain {
-            const auto sample = [heights, frame](hfh::Index i, hfh::Index j) -> double {
-                const S value =
-                    load_sample(heights.data()[i * heights.column_stride() + j * heights.row_stride()]);
-                const double height = frame.height_offset + frame.height_scale * static_cast<double>(value);
-                return heights.missing(value) || !hfh::is_height(height)
-                           ? std::numeric_limits<double>::quiet_NaN()
-                           : height;
-            };
-            const double middle = sample(heights.columns() / 2, heights.rows() / 2);
-            return {heights.columns(), heights.rows(), frame.spacing, std::isnan(middle) ? 0.0 : middle,
-                    sample};
-        },
-        terrain.heights);
-}
-
-Viewer::Viewer(const demo::Terrain& terrain, const DisplayedTerrain& displayed, const hfh::GridFrame& frame,
-               Haptics& haptics, int n, float pixels)
-    : terrain_{&terrain}, displayed_{&displayed}, frame_{frame}, haptics_{&haptics}, loader_{displayed, n},
-      terrain_drawer_{displayed, n}, layer_{pixels}, renderer_{renderer_name()} {
-    settings_.feel.stiffness = haptics.default_stiffness();
-    settings_.save_as = std::filesystem::path{terrain.name}.stem().string() + "_edited.flt";
+Viewer::Viewer(TouchedTerrain& touched, int n, float pixels)
+    : touched_{&touched},
+      displayed_{&touched.displayed}, haptics_{&touched.haptics}, loader_{touched.displayed, n},
+      terrain_drawer_{touched.displayed, n}, layer_{pixels}, renderer_{renderer_name()} {
+    settings_.feel.stiffness = haptics_->default_stiffness();
+    settings_.save_as = std::filesystem::path{touched.terrain.name}.stem().string() + "_edited.flt";
     renderer_ = renderer_.substr(0, renderer_.find(" ("));
     take_hand();
     camera_.target.z = hand_.middle;
@@ -169,9 +150,16 @@ void Viewer::adapt_tints(const glm::ivec2& size, double share) {
     const LoadedLevel& seen = *levels_->levels[static_cast<std::size_t>(
         std::clamp(level, 0, static_cast<int>(levels_->levels.size()) - 1))];
     const int reach = std::clamp(static_cast<int>(wide / std::exp2(seen.level)), 2, n / 2);
+    const glm::dvec2 middle = glm::dvec2{hand_.offset} / displayed_->spacing / std::exp2(seen.level);
+    const auto first = [&](double at, hfh::Index origin) {
+        return std::clamp(static_cast<int>(at) - static_cast<int>(origin) - reach, 0, n - 1);
+    };
+    const auto last = [&](double at, hfh::Index origin) {
+        return std::clamp(static_cast<int>(at) - static_cast<int>(origin) + reach + 1, 0, n - 1);
+    };
     glm::vec2 range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
-    for (int b = n / 2 - reach; b <= n / 2 + reach; ++b) {
-        for (int a = n / 2 - reach; a <= n / 2 + reach; ++a) {
+    for (int b = first(middle.y, seen.origin.j); b <= last(middle.y, seen.origin.j); ++b) {
+        for (int a = first(middle.x, seen.origin.i); a <= last(middle.x, seen.origin.i); ++a) {
             const LevelVertex& v = seen.vertices[static_cast<std::size_t>(b * n + a)];
             if (v.coarse_slope.y < no_cell / 2)
                 range = {std::min(range.x, v.height), std::max(range.y, v.height)};
@@ -215,7 +203,7 @@ void Viewer::draw_text(const glm::ivec2& size, double seconds) {
 
 void Viewer::save() {
     try {
-        save_terrain(*terrain_, frame_, settings_.save_as);
+        save_terrain(touched_->terrain, touched_->frame, settings_.save_as);
         say("Saved as " + settings_.save_as + " (the file that was opened is as it was).");
     } catch (const demo::BadInput& error) {
         say(error.what());

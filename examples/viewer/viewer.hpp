@@ -3,11 +3,11 @@
 
 #include "camera.hpp"
 #include "force_history.hpp"
-#include "haptics.hpp"
 #include "level_loader.hpp"
 #include "marker_drawer.hpp"
 #include "overlay.hpp"
 #include "terrain_drawer.hpp"
+#include "touched_terrain.hpp"
 
 #include <record.hpp>
 
@@ -61,9 +61,9 @@ struct FrameReport {
 /// context of OpenGL and makes none.
 class Viewer {
 public:
-    /// All must outlive it. n: vertices along a side of a window of the terrain.
-    Viewer(const demo::Terrain& terrain, const DisplayedTerrain& displayed, const hfh::GridFrame& frame,
-           Haptics& haptics, int n, float pixels);
+    /// `touched` must outlive it. n: vertices along a side of a window of the terrain. `pixels`: of the framebuffer in a pixel of
+    /// text.
+    Viewer(TouchedTerrain& touched, int n, float pixels);
 
     /// One frame into the framebuffer that is bound. `seconds` since the last one. `waits`: until all that is to be seen is
     /// loaded; for pictures and tests.
@@ -95,9 +95,8 @@ private:
     void draw_text(const glm::ivec2& size, double seconds);
     void save();
 
-    const demo::Terrain* terrain_;
+    TouchedTerrain* touched_;
     const DisplayedTerrain* displayed_;
-    hfh::GridFrame frame_;
     Haptics* haptics_;
     LevelLoader loader_;
     TerrainDrawer terrain_drawer_;
@@ -122,9 +121,6 @@ private:
     double message_left_ = 0; ///< s
     bool real_time_ = true, shows_text_ = true, placed_ = false;
 };
-
-/// What the display reads of a terrain. `terrain` must outlive it.
-[[nodiscard]] DisplayedTerrain displayed_terrain(const demo::Terrain& terrain, const hfh::GridFrame& frame);
 
 } // namespace viewer
 
