@@ -126,6 +126,12 @@ FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, doubl
         report_.samples_read = levels_->samples_read;
         report_.has_terrain = true;
     }
+    if (shows_markers_) draw_markers(size);
+    draw_text(size, seconds);
+    return report_;
+}
+
+void Viewer::draw_markers(const glm::ivec2& size) {
     marker_drawer_.draw({.stylus = hand_.to_hand(hand_.stylus),
                          .proxy = hand_.to_hand(hand_.proxy),
                          .normal = hand_.normal,
@@ -135,8 +141,6 @@ FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, doubl
                          .over_ground = hand_.over_ground,
                          .pixel = static_cast<double>(layer_.pixels())},
                         camera_, size);
-    draw_text(size, seconds);
-    return report_;
 }
 
 /// The tints are those of the heights that are about in the picture, so that a single slope shows its forms as well as a range of

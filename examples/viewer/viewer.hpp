@@ -83,8 +83,9 @@ public:
     [[nodiscard]] const std::shared_ptr<const LoadedLevels>& levels() const noexcept { return levels_; }
     [[nodiscard]] const TerrainDrawer& terrain_drawer() const noexcept { return terrain_drawer_; }
     [[nodiscard]] ImGuiLayer& layer() noexcept { return layer_; }
-    /// Without the text over the picture.
+    /// Draws without the text over the picture, or without stylus, proxy and force.
     void hide_text() noexcept { shows_text_ = false; }
+    void hide_markers() noexcept { shows_markers_ = false; }
 
 private:
     void take_hand();
@@ -92,6 +93,7 @@ private:
     void follow();
     void ask_for_levels();
     void adapt_tints(const glm::ivec2& size, double share);
+    void draw_markers(const glm::ivec2& size);
     void draw_text(const glm::ivec2& size, double seconds);
     void save();
 
@@ -119,7 +121,7 @@ private:
     double frame_seconds_ = 0;
     std::string message_, renderer_;
     double message_left_ = 0; ///< s
-    bool real_time_ = true, shows_text_ = true, placed_ = false;
+    bool real_time_ = true, shows_text_ = true, shows_markers_ = true, placed_ = false;
 };
 
 } // namespace viewer
