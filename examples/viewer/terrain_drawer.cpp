@@ -32,51 +32,60 @@ std::size_t innermost(const LoadedLevels& levels, double hand_level) noexcept {
     return static_cast<std::size_t>(std::clamp(wanted, 0, static_cast<int>(levels.levels.size()) - 1));
 }
 
+/// Where the vertices of a block are, in metres of terrain.
+struct Box {
+    glm::dvec3 low{0.0}, high{0.0};
+    [[nodiscard]] bool is_empty() const noexcept { return high.x <= low.x || high.y <= low.y; }
+};
+
+Box box_of(const LoadedLevel& level, const WindowIndices::Block& block, const DisplayedTerrain& terrain,
+           int n) {
+    const auto place = [&](int a, int b) {
+        const double step = std::exp2(level.level);
+        const glm::dvec2 sample = step * glm::dvec2{static_cast<double>(level.origin.i + a),
+                                                    static_cast<double>(level.origin.j + b)};
+        return terrain.spacing * glm::clamp(sample, glm::dvec2{0.0},
+                                            glm::dvec2{static_cast<double>(terrain.columns - 1),
+                                                       static_cast<double>(terrain.rows - 1)});
+    };
+    Box box{{place(block.begin.x, block.begin.y), 1e300}, {place(block.end.x, block.end.y), -1e300}};
+    if (box.is_empty()) return box;
+    for (int b = block.begin.y; b <= block.end.y; ++b) {
+        for (int a = block.begin.x; a <= block.end.x; ++a) {
+            const LevelVertex& v = level.vertices[static_cast<std::size_t>(b * n + a)];
+            box.low.z =
+                std::min({box.low.z, static_cast<double>(v.height), static_cast<double>(v.coarse_height)});
+            box.high.z =
+                std::max({box.high.z, static_cast<double>(v.height), static_cast<double>(v.coarse_height)});
+        }
+    }
+    box.low.z += terrain.datum;
+    box.high.z += terrain.datum;
+    return box;
+}
+
+/// False if all of the box is beyond one side of the picture.
+bool may_be_seen(const Box& box, const TerrainView& view, const glm::dmat4& matrix) noexcept {
+    unsigned beyond_all = 0x3f;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 point{(corner & 1 ? box.high : box.low).x, (corner & 2 ? box.high : box.low).y,
+                               (corner & 4 ? box.high : box.low).z};
+        const glm::dvec4 at = matrix * glm::dvec4{(point - view.offset) / view.scale, 1};
+        unsigned beyond = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            beyond |= at[axis] < -at.w ? 1u << (2 * axis) : 0u;
+            beyond |= at[axis] > at.w ? 2u << (2 * axis) : 0u;
+        }
+        beyond_all &= beyond;
+    }
+    return beyond_all == 0;
+}
+
 } // namespace
 
 TerrainDrawer::TerrainDrawer(const DisplayedTerrain& terrain, int n)
     : terrain_{&terrain}, n_{n}, program_{terrain_vertex_shader, terrain_fragment_shader},
-      palette_{make_texture()}, indices_{make_buffer()} {
-    make_indices();
-}
-
-void TerrainDrawer::make_indices() {
-    const auto n = static_cast<GLuint>(n_);
-    std::vector<GLuint> indices;
-    // The last corner of a triangle says whether its cell exists: it is the south-western one of the cell.
-    const auto add_cell = [&](GLuint a, GLuint b) {
-        const GLuint v00 = b * n + a, v10 = v00 + 1, v01 = v00 + n, v11 = v01 + 1;
-        indices.insert(indices.end(), {v10, v11, v00, v11, v01, v00});
-    };
-    // Triangles without area along the border: they close the pin-holes that rounding leaves beside the next coarser window.
-    const auto add_seams = [&] {
-        for (GLuint k = 0; k + 2 < n; k += 2) {
-            for (const auto& [from, step] :
-                 {std::pair{k, 1u}, {(n - 1) * n + k, 1u}, {k * n, n}, {k * n + n - 1, n}})
-                indices.insert(indices.end(), {from + step, from + 2 * step, from});
-        }
-    };
-    const auto add_piece = [&](Piece& piece, GLuint hole_a, GLuint hole_b, GLuint hole) {
-        piece.first = indices.size();
-        for (GLuint b = 0; b + 1 < n; ++b) {
-            for (GLuint a = 0; a + 1 < n; ++a) {
-                const bool inside = a >= hole_a && a < hole_a + hole && b >= hole_b && b < hole_b + hole;
-                if (!inside) add_cell(a, b);
-            }
-        }
-        add_seams();
-        piece.count = static_cast<GLsizei>(indices.size() - piece.first);
-    };
-    const GLuint half = (n - 1) / 2, first = (n - 3) / 4;
-    add_piece(whole_, 0, 0, 0);
-    for (GLuint x = 0; x < 2; ++x)
-        for (GLuint y = 0; y < 2; ++y) add_piece(rings_[x][y], first + x, first + y, half);
-    index_count_ = indices.size();
-    glBindVertexArray(0);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(GLuint)),
-                 indices.data(), GL_STATIC_DRAW);
-}
+      palette_{make_texture()}, indices_{n} {}
 
 void TerrainDrawer::upload(const LoadedLevel& level, OnCard& card, DrawnTerrain& drawn) {
     if (card.used && card.version == level.version) return;
@@ -85,7 +94,7 @@ void TerrainDrawer::upload(const LoadedLevel& level, OnCard& card, DrawnTerrain&
         card.array = make_vertex_array();
         card.vertices = make_buffer();
         glBindVertexArray(card.array.get());
-        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
+        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.buffer());
         glBindBuffer(GL_ARRAY_BUFFER, card.vertices.get());
         const auto at = [](std::size_t offset) { return reinterpret_cast<const void*>(offset); };
         glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(LevelVertex),
@@ -140,6 +149,36 @@ void TerrainDrawer::set_uniforms(const LoadedLevels& levels, const TerrainView& 
     program_.set("datum_in_intervals", static_cast<float>(5 * (datum - std::floor(datum))));
 }
 
+void TerrainDrawer::make_palette(std::size_t palette) {
+    std::array<glm::vec3, 256> colours{};
+    for (std::size_t k = 0; k < colours.size(); ++k)
+        colours[k] = palettes[palette].at(static_cast<float>(k) / 255.0f);
+    glBindTexture(GL_TEXTURE_1D, palette_.get());
+    glTexImage1D(GL_TEXTURE_1D, 0, GL_RGB8, 256, 0, GL_RGB, GL_FLOAT, colours.data());
+    glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    palette_made_ = palette;
+}
+
+/// Those blocks that may be in the picture.
+void TerrainDrawer::draw_window(const LoadedLevel& level, const std::vector<WindowIndices::Block>& blocks,
+                                const TerrainView& view, const glm::ivec2& size, DrawnTerrain& drawn) {
+    const glm::dmat4 matrix = view.camera.matrix(size);
+    std::vector<GLsizei> counts;
+    std::vector<const void*> starts;
+    for (const WindowIndices::Block& block : blocks) {
+        const Box box = box_of(level, block, *terrain_, n_);
+        if (box.is_empty() || !may_be_seen(box, view, matrix)) continue;
+        counts.push_back(block.count);
+        starts.push_back(reinterpret_cast<const void*>(block.first * sizeof(GLuint)));
+        drawn.triangles += static_cast<std::uint64_t>(block.count / 3);
+    }
+    glBindVertexArray(cards_[static_cast<std::size_t>(level.level)].array.get());
+    glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, starts.data(),
+                        static_cast<GLsizei>(counts.size()));
+}
+
 DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& view,
                                  const glm::ivec2& size) {
     DrawnTerrain drawn;
@@ -150,17 +189,7 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
             cards_.resize(static_cast<std::size_t>(level->level) + 1);
         upload(*level, cards_[static_cast<std::size_t>(level->level)], drawn);
     }
-    if (palette_made_ != view.look.palette) {
-        std::array<glm::vec3, 256> colours{};
-        for (std::size_t k = 0; k < colours.size(); ++k)
-            colours[k] = palettes[view.look.palette].at(static_cast<float>(k) / 255.0f);
-        glBindTexture(GL_TEXTURE_1D, palette_.get());
-        glTexImage1D(GL_TEXTURE_1D, 0, GL_RGB8, 256, 0, GL_RGB, GL_FLOAT, colours.data());
-        glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-        glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        palette_made_ = view.look.palette;
-    }
+    if (palette_made_ != view.look.palette) make_palette(view.look.palette);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_1D, palette_.get());
     glEnable(GL_DEPTH_TEST);
@@ -185,17 +214,12 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
         program_.set("cell_lines", view.look.cells && k == first_level
                                        ? static_cast<float>(std::clamp((pixels - 24) / 24, 0.0, 1.0))
                                        : 0.0f);
-        Piece piece = whole_;
-        if (k > first_level) {
-            const hfh::Index first = (n_ - 3) / 4;
-            const hfh::Index x = finer.i / 2 - level.origin.i - first,
-                             y = finer.j / 2 - level.origin.j - first;
-            piece = rings_[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)];
-        }
-        glBindVertexArray(cards_[static_cast<std::size_t>(level.level)].array.get());
-        glDrawElements(GL_TRIANGLES, piece.count, GL_UNSIGNED_INT,
-                       reinterpret_cast<const void*>(piece.first * sizeof(GLuint)));
-        drawn.triangles += static_cast<std::uint64_t>(piece.count / 3);
+        const hfh::Index first = (n_ - 3) / 4;
+        const hfh::Index x = finer.i / 2 - level.origin.i - first, y = finer.j / 2 - level.origin.j - first;
+        draw_window(level,
+                    k > first_level ? indices_.ring(static_cast<int>(x), static_cast<int>(y))
+                                    : indices_.whole(),
+                    view, size, drawn);
         finer = level.origin;
     }
     glBindVertexArray(0);
@@ -206,7 +230,7 @@ std::size_t TerrainDrawer::card_bytes() const noexcept {
     const auto used =
         static_cast<std::size_t>(std::ranges::count_if(cards_, [](const OnCard& c) { return c.used; }));
     return used * static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_) * sizeof(LevelVertex) +
-           index_count_ * sizeof(GLuint);
+           indices_.bytes();
 }
 
 } // namespace viewer

@@ -5,6 +5,7 @@
 #include "gl_objects.hpp"
 #include "level_loader.hpp"
 #include "palettes.hpp"
+#include "window_indices.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -63,14 +64,10 @@ private:
         std::uint64_t version = 0;
         bool used = false;
     };
-    /// Where in the indices the triangles of a window are: all of it, or with a hole for the next finer one.
-    struct Piece {
-        std::size_t first = 0;
-        GLsizei count = 0;
-    };
-
-    void make_indices();
     void upload(const LoadedLevel& level, OnCard& card, DrawnTerrain& drawn);
+    void make_palette(std::size_t palette);
+    void draw_window(const LoadedLevel& level, const std::vector<WindowIndices::Block>& blocks,
+                     const TerrainView& view, const glm::ivec2& size, DrawnTerrain& drawn);
     void set_uniforms(const LoadedLevels& levels, const TerrainView& view, const glm::ivec2& size);
 
     const DisplayedTerrain* terrain_;
@@ -78,11 +75,8 @@ private:
     GlProgram program_;
     GlTexture palette_;
     std::size_t palette_made_ = palettes.size();
-    GlBuffer indices_;
-    std::size_t index_count_ = 0;
-    Piece whole_{};
-    std::array<std::array<Piece, 2>, 2> rings_{}; ///< by the place of the hole: x, y
-    std::vector<OnCard> cards_;                   ///< by level
+    WindowIndices indices_;
+    std::vector<OnCard> cards_; ///< by level
 };
 
 } // namespace viewer
