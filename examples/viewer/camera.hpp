@@ -20,7 +20,7 @@ namespace viewer {
 struct Camera {
     glm::dvec3 target{0.0};
     double azimuth = 0;      ///< radians: to where the eye looks, clockwise from north
-    double elevation = 0.9;  ///< radians above the horizon
+    double elevation = 0.8;  ///< radians above the horizon
     double distance = 0.235; ///< m
     double exaggeration = 1; ///< of heights, about the target's
 

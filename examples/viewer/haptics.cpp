@@ -27,6 +27,11 @@ hfh::GuardLimits limits_of(const hfh::DeviceCapabilities& device) noexcept {
 
 } // namespace
 
+double whole_terrain_scale(DeviceKind device, const glm::dvec2& size) noexcept {
+    const glm::dvec3& space = model_of(device).capabilities.workspace;
+    return std::max(size.x, size.y) / (0.9 * std::max(space.x, space.y));
+}
+
 Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
     : ground_{&ground}, settings_{std::move(settings)}, cell_{settings_.cell}, model_{model_of(
                                                                                    settings_.device)},
@@ -52,9 +57,7 @@ double Haptics::default_stiffness() const noexcept {
 }
 
 void Haptics::show_whole_terrain() noexcept {
-    const glm::dvec3& space = model_.capabilities.workspace;
-    const double widest = 0.9 * std::max(space.x, space.y);
-    const double scale = std::max(settings_.size.x, settings_.size.y) / widest;
+    const double scale = whole_terrain_scale(settings_.device, settings_.size);
     const glm::dvec2 middle = settings_.size / 2.0;
     double height = ground_->height(middle);
     for (int k = 1; std::isnan(height) && k < 64; ++k) // a hole: some other place

@@ -29,6 +29,9 @@ struct HapticsSettings {
     double cell = 1;                      ///< m of terrain between samples
 };
 
+/// m of terrain per m of hand at which all of a terrain of `size` (m) is within the device's reach.
+[[nodiscard]] double whole_terrain_scale(DeviceKind device, const glm::dvec2& size) noexcept;
+
 /// The half of the program that is about the hand: everything that happens in one update of a millisecond, and what goes to
 /// and comes from the display without waiting.
 ///

@@ -10,6 +10,7 @@
 #include <record.hpp>
 #include <report.hpp>
 #include <standard_streams.hpp>
+#include <stroke.hpp>
 #include <terrain_files.hpp>
 
 #include <chrono>
@@ -27,6 +28,14 @@ std::vector<demo::StylusSample> path_from(const std::filesystem::path& file) {
     std::vector<demo::StylusSample> path;
     while (const auto sample = rows.next()) path.push_back(*sample);
     return path;
+}
+
+/// The stroke of touch_terrain, for a hand that presses with 1 N.
+std::vector<demo::StylusSample> stroke_across(const demo::Terrain& terrain, const hfh::GridFrame& frame,
+                                              const Options& options) {
+    const demo::Ground ground = demo::ground_of(terrain, frame);
+    const double at_hand = demo::aim_depth(options.stiffness.value_or(400));
+    return demo::built_in_stroke(ground, at_hand * whole_terrain_scale(options.device, ground.size));
 }
 
 /// A terrain as the options want it, and what is written about it. Refused if an output would take the terrain's place.
@@ -47,8 +56,11 @@ Program::Program(const Options& asked) : options{asked} {
     HapticsSettings settings;
     settings.device = options.device;
     settings.stiffness = options.stiffness;
-    if (options.path) settings.path = path_from(*options.path);
     const hfh::GridFrame frame = demo::frame_of(terrain, options);
+    if (options.path)
+        settings.path = path_from(*options.path);
+    else if (options.screenshot)
+        settings.path = stroke_across(terrain, frame, options);
     touched.emplace(std::move(terrain), frame, std::move(settings));
     if (options.record) record.emplace(*options.record);
     if (options.screenshot) screenshot.emplace(*options.screenshot);
@@ -65,16 +77,12 @@ void draw_screenshot(Program& program) {
     Viewer viewer{*program.touched, window_size(), 1.0f};
     if (program.record) viewer.record_to(&*program.record);
     constexpr double seconds = 1.0 / 30;
-    const std::uint64_t frames = program.options.frames.value_or(60);
+    const std::uint64_t frames = program.options.frames.value_or(300);
     for (std::uint64_t k = 0; k < frames; ++k) {
         for (double t = 0; t < seconds; t += Haptics::period()) program.touched->haptics.tick();
         target.bind();
         viewer.layer().begin_without_window(size, static_cast<float>(seconds));
-        FrameInput input;
-        input.pointer = glm::dvec2{size} / 2.0;
-        input.has_pointer = true;
-        input.pressing = k > frames / 4;
-        (void)viewer.frame(input, size, seconds, true);
+        (void)viewer.frame({}, size, seconds, true);
     }
     target.resolve_into(picture);
     write_png(*program.screenshot, read_colours(size), size);

@@ -75,7 +75,7 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     app.add_option("--screenshot", screenshot,
                    "Draws without a window, a thirtieth of a second a frame, and writes the last frame. The "
                    "hand goes "
-                   "along the path, or presses in the middle. Default of --frames is then 60")
+                   "along the path, or along a stroke across the terrain. Default of --frames is then 300")
         ->type_name("FILE.png");
     if (!demo::read_command_line(app, argc, argv)) return std::nullopt;
 

@@ -274,9 +274,10 @@ void draw_overlay(const OverlayText& text, const ForceHistory& force, const Came
     draw_chart(force, size, pixels);
     const float line = ImGui::GetTextLineHeightWithSpacing();
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const std::string machine = text.renderer + " \u00b7 " + fixed(text.frames_per_second, 0) +
-                                " frames/s \u00b7 hand " + fixed(text.hand.microseconds, 0) + " \u00b5s" +
-                                (text.real_time ? "" : " \u00b7 no real-time priority");
+    std::string machine = text.renderer;
+    if (text.frames_per_second > 0) machine += " \u00b7 " + fixed(text.frames_per_second, 0) + " frames/s";
+    machine += " \u00b7 update of the hand " + fixed(text.hand.microseconds, 0) + " \u00b5s";
+    if (!text.real_time) machine += " \u00b7 no real-time priority";
     const float wide = ImGui::CalcTextSize(machine.c_str()).x;
     const ImVec2 at{(static_cast<float>(size.x) - wide) / 2,
                     static_cast<float>(size.y) - margin * pixels - line / 2};

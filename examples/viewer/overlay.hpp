@@ -37,9 +37,8 @@ private:
 /// What is written over the picture.
 struct OverlayText {
     HandState hand;
-    double slope = 0; ///< radians, of the ground under the proxy
-    double frames_per_second = 0;
-    double late_per_mille = 0;
+    double slope = 0;             ///< radians, of the ground under the proxy
+    double frames_per_second = 0; ///< 0: not told
     bool real_time = true;
     std::string renderer;
     std::string message; ///< what went wrong or was done last

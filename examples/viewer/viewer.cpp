@@ -94,7 +94,7 @@ void Viewer::ask_for_levels() {
 }
 
 FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, double seconds, bool waits) {
-    frame_seconds_ += (seconds - frame_seconds_) * std::min(1.0, 4 * seconds);
+    frame_seconds_ = waits ? 0 : frame_seconds_ + (seconds - frame_seconds_) * std::min(1.0, 4 * seconds);
     camera_.turn(-radians_per_pixel * input.turn.x, radians_per_pixel * input.turn.y);
     camera_.exaggeration = settings_.exaggeration;
     if (input.toggles_keys) settings_.shows_keys = !settings_.shows_keys;
