@@ -52,7 +52,7 @@ struct HandInput {
     glm::dvec2 pan{0.0}; ///< total: m in the hand by which the terrain has been moved
     Feel feel;
     LevelChoice level;
-    double finest_loaded = 0; ///< level whose samples around the hand are in memory
+    double finest_loaded = 1e9; ///< level whose samples around the hand are in memory; at first none
     Brush brush;
     unsigned undos = 0;           ///< total
     unsigned resets = 0;          ///< total: back to the whole terrain
@@ -86,7 +86,6 @@ struct HandState {
     hfh::GuardTrip trip = hfh::GuardTrip::none;
     double scale = 1;        ///< m of terrain per m of hand
     glm::dvec3 offset{0.0};  ///< m of terrain: where the middle of the workspace is
-    double middle = 0;       ///< m at the hand: height of the ground in the middle of the workspace
     double level = 0;        ///< at which the ground is felt
     double microseconds = 0; ///< that the last update took
     double wanted_level = 0; ///< at which it will be felt, once the samples are in memory

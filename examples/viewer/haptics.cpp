@@ -264,8 +264,6 @@ void Haptics::publish(const glm::dvec3& hand, const glm::dvec3& stylus,
     state_.scale = workspace_.frame().scale;
     state_.offset = workspace_.frame().offset;
     state_.level = ground_->level();
-    const double middle = ground_->height({state_.offset.x, state_.offset.y});
-    if (!std::isnan(middle)) state_.middle = (middle - state_.offset.z) / state_.scale;
     shown_.put(state_);
     if (updates_ == 0) return;
     rows_.put({.t = state_.time - period(),

@@ -26,6 +26,19 @@ float steepness(const std::vector<LevelVertex>& vertices) noexcept {
 
 } // namespace
 
+std::optional<float> LoadedLevels::height_near(const glm::dvec2& at, int n) const noexcept {
+    for (const auto& level : levels) {
+        const glm::dvec2 vertex = at / std::exp2(level->level);
+        const hfh::Index a = std::llround(vertex.x) - level->origin.i,
+                         b = std::llround(vertex.y) - level->origin.j;
+        if (a < 0 || b < 0 || a >= n || b >= n) continue;
+        const LevelVertex& v = level->vertices[static_cast<std::size_t>(b * n + a)];
+        if (v.coarse_slope.y >= no_cell / 2) return std::nullopt;
+        return v.height;
+    }
+    return std::nullopt;
+}
+
 LevelLoader::LevelLoader(const DisplayedTerrain& terrain, int n)
     : terrain_{&terrain}, n_{n}, coarsest_{coarsest_level(terrain, n)} {
     for (int level = 0; level <= coarsest_; ++level) windows_.emplace_back(terrain, level, n);

@@ -27,6 +27,10 @@ struct LoadedLevels {
     float steepness = 0;            ///< mean size of the slopes in the finest one
     std::uint64_t edit = 0;         ///< of `LevelRequest`
     std::uint64_t samples_read = 0; ///< total
+
+    /// The height of the vertex nearest to a place (samples), of the finest window that has it: m above the datum. Empty where
+    /// none has it, or it is a hole. n: vertices along a side of a window.
+    [[nodiscard]] std::optional<float> height_near(const glm::dvec2& at, int n) const noexcept;
 };
 
 /// What the display wants to be loaded.

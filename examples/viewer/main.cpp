@@ -93,7 +93,8 @@ void run_in_window(Program& program) {
     Viewer viewer{*program.touched, window_size(), window.pixels()};
     if (program.record) viewer.record_to(&*program.record);
     const Window::LayerInput layer_input{window};
-    HapticThread haptic{[&] { program.touched->haptics.tick(); }};
+    // The hand begins once there is ground in memory under it.
+    std::optional<HapticThread> haptic;
     std::uint64_t frames = 0;
     const auto start = Clock::now();
     auto last = start;
@@ -102,7 +103,8 @@ void run_in_window(Program& program) {
         const auto now = Clock::now();
         const double seconds = std::chrono::duration<double>(now - last).count();
         last = now;
-        viewer.set_real_time(haptic.is_real_time());
+        if (!haptic && viewer.levels()) haptic.emplace([&] { program.touched->haptics.tick(); });
+        if (haptic) viewer.set_real_time(haptic->is_real_time());
         const glm::ivec2 size = window.size();
         (void)viewer.frame(input, glm::max(size, 1), seconds, false);
         if (size.x > 0 && size.y > 0)
@@ -111,11 +113,11 @@ void run_in_window(Program& program) {
             window.wait();
         ++frames;
     }
-    haptic.stop();
+    if (haptic) haptic->stop();
     program.touched->haptics.end();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    demo::print(report(haptic.punctuality()) + "frames          " + demo::grouped(frames) + ", " +
-                demo::rounded(static_cast<double>(frames) / seconds) + " a second\n");
+    demo::print((haptic ? report(haptic->punctuality()) : "") + "frames          " + demo::grouped(frames) +
+                ", " + demo::rounded(static_cast<double>(frames) / seconds) + " a second\n");
 }
 
 std::string guard_line(const hfh::GuardCounts& counts) {

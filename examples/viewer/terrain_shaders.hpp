@@ -77,7 +77,8 @@ void main() {
         float grid = max(line(cell.x, 0.5), line(cell.y, 0.5));
         ground = mix(ground, vec3(0.06, 0.10, 0.22), 0.30 * cell_lines * grid);
     }
-    colour = vec4(pow(clamp(ground, 0.0, 1.0), vec3(0.85)), 1.0);
+    ground = clamp(ground, 0.0, 1.0);
+    colour = vec4(ground * (1.25 - 0.25 * ground), 1.0); // midtones a little lighter
 }
 )";
 

@@ -35,7 +35,6 @@ Viewer::Viewer(TouchedTerrain& touched, int n, float pixels)
     settings_.save_as = std::filesystem::path{touched.terrain.name}.stem().string() + "_edited.flt";
     renderer_ = renderer_.substr(0, renderer_.find(" ("));
     take_hand();
-    camera_.target.z = hand_.middle;
     ask_for_levels();
 }
 
@@ -93,6 +92,15 @@ void Viewer::ask_for_levels() {
     loader_.ask(request);
 }
 
+/// The eye follows the height of the ground in the middle of the hand's workspace.
+void Viewer::look_at_middle(double share) {
+    if (!levels_) return;
+    const auto height = levels_->height_near(glm::dvec2{hand_.offset} / displayed_->spacing, loader_.n());
+    if (!height) return;
+    const double z = (displayed_->datum + static_cast<double>(*height) - hand_.offset.z) / hand_.scale;
+    camera_.target.z += (z - camera_.target.z) * share;
+}
+
 FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, double seconds, bool waits) {
     frame_seconds_ = waits ? 0 : frame_seconds_ + (seconds - frame_seconds_) * std::min(1.0, 4 * seconds);
     camera_.turn(-radians_per_pixel * input.turn.x, radians_per_pixel * input.turn.y);
@@ -102,11 +110,11 @@ FrameReport Viewer::frame(const FrameInput& input, const glm::ivec2& size, doubl
     if (input.brush) settings_.brush.kind = *input.brush;
 
     take_hand();
-    camera_.target.z += (hand_.middle - camera_.target.z) * (waits ? 1.0 : std::min(1.0, 8 * seconds));
     tell_hand(input, size);
     ask_for_levels();
     if (waits) loader_.wait();
     levels_ = loader_.newest();
+    look_at_middle(waits ? 1.0 : std::min(1.0, 8 * seconds));
 
     adapt_tints(size, waits ? 1.0 : std::min(1.0, 3 * seconds));
     view_ = {.camera = camera_,

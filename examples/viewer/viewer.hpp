@@ -92,6 +92,7 @@ private:
     void tell_hand(const FrameInput& input, const glm::ivec2& size);
     void follow();
     void ask_for_levels();
+    void look_at_middle(double share);
     void adapt_tints(const glm::ivec2& size, double share);
     void draw_markers(const glm::ivec2& size);
     void draw_text(const glm::ivec2& size, double seconds);
