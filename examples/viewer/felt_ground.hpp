@@ -21,7 +21,6 @@ struct TerrainFeel {
     double friction = 0;  ///< coefficient at rest
     double damping = 0;   ///< N·s/m
     bool shading = false;
-    double tip_radius = 0; ///< m
 };
 
 /// A round spot of ground that is raised, or lowered where `amount` is below 0.

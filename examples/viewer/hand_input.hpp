@@ -19,7 +19,6 @@ struct Feel {
     double friction = 0;    ///< coefficient at rest; sliding: four fifths of it
     double damping = 0;     ///< N·s/m at the hand
     bool shading = false;   ///< force directions interpolated over vertices
-    double tip_radius = 0;  ///< m at the hand; 0: a point
 };
 
 /// At which level of detail the ground is felt and drawn.

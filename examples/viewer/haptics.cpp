@@ -95,17 +95,6 @@ void Haptics::tick() noexcept {
     publish(hand, stylus, felt);
 }
 
-hfh::DeviceCommand Haptics::update(const hfh::DeviceSample& sample) noexcept {
-    take_input();
-    if (sample.force_refused) ground_->reset();
-    const glm::dvec3 stylus = workspace_.update(sample.position);
-    const hfh::GuardedForce felt = feel(sample, stylus);
-    paint();
-    ++updates_;
-    publish(sample.position, stylus, felt);
-    return {felt.newtons};
-}
-
 void Haptics::end() noexcept {
     newtons_ = state_.force = glm::dvec3{0.0};
     shown_.put(state_);
@@ -203,8 +192,7 @@ hfh::GuardedForce Haptics::feel(const hfh::DeviceSample& sample, const glm::dvec
                                       {.stiffness = workspace_.terrain_stiffness(feel.stiffness),
                                        .friction = feel.friction,
                                        .damping = workspace_.terrain_stiffness(feel.damping),
-                                       .shading = feel.shading,
-                                       .tip_radius = feel.tip_radius * scale});
+                                       .shading = feel.shading});
     contact_ = felt.contact;
     last_stylus_ = stylus;
     const glm::dvec3 asked = workspace_.force_at_hand(felt.newtons);

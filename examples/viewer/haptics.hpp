@@ -19,7 +19,7 @@
 
 namespace viewer {
 
-enum class DeviceKind : unsigned char { touch, premium, none, phantom };
+enum class DeviceKind : unsigned char { touch, premium, none };
 
 struct HapticsSettings {
     DeviceKind device = DeviceKind::touch;
@@ -36,7 +36,7 @@ struct HapticsSettings {
 /// and comes from the display without waiting.
 ///
 /// A simulated device is held by a hand that wants to be where the pointer or a path says. Or there is no device, and the
-/// stylus is where the hand wants to be, whatever the force. Or `update` is called by the driver of a real device.
+/// stylus is where the hand wants to be, whatever the force.
 class Haptics {
 public:
     using Rows = RowQueue<demo::Touch, 8192>;
@@ -46,8 +46,6 @@ public:
 
     /// One update of the simulated device, or of a stylus without one.
     void tick() noexcept;
-    /// One update of a real device: the sample it gave, and the force for it.
-    hfh::DeviceCommand update(const hfh::DeviceSample& sample) noexcept;
 
     /// After the last update: no force any more.
     void end() noexcept;
@@ -60,12 +58,8 @@ public:
     /// Once no update runs any more.
     [[nodiscard]] const hfh::GuardCounts& guard_counts() const noexcept { return guard_.counts(); }
     [[nodiscard]] static constexpr double period() noexcept { return 1e-3; }
-    /// m: what a hand reaches with the device, centred on 0.
-    [[nodiscard]] glm::dvec3 workspace() const noexcept { return model_.capabilities.workspace; }
     /// N/m at the hand, by default.
     [[nodiscard]] double default_stiffness() const noexcept;
-    /// s that the path takes; 0 without one.
-    [[nodiscard]] double path_seconds() const noexcept { return path_ ? path_->seconds() : 0; }
 
 private:
     struct Wanted {

@@ -15,13 +15,7 @@ DeviceKind device_from(const std::string& text) {
     if (text == "touch") return DeviceKind::touch;
     if (text == "premium") return DeviceKind::premium;
     if (text == "none") return DeviceKind::none;
-#ifdef VIEWER_HAS_PHANTOM
-    if (text == "phantom") return DeviceKind::phantom;
-    demo::refuse("--device", text, "touch, premium, phantom or none");
-#else
-    demo::refuse("--device", text,
-                 "touch, premium or none (phantom needs the OpenHaptics SDK when the viewer is built)");
-#endif
+    demo::refuse("--device", text, "touch, premium or none");
 }
 
 int pixels_from(std::string_view text, const std::string& whole) {
@@ -55,9 +49,6 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
                    "touch or premium: a simulated device in the hand, which gives way to the force. none: "
                    "the stylus is "
                    "where the hand wants to be, whatever the force"
-#ifdef VIEWER_HAS_PHANTOM
-                   ". phantom: a Phantom or Touch"
-#endif
                    ". Default: touch")
         ->type_name("DEVICE");
     app.add_option("--stiffness", stiffness,

@@ -25,7 +25,6 @@ public:
         const demo::StylusSample &last = path_[next_ - 1], &next = path_[next_];
         return glm::mix(last.position, next.position, (time - last.t) / (next.t - last.t));
     }
-    [[nodiscard]] double seconds() const noexcept { return path_.back().t - path_.front().t; }
 
 private:
     std::vector<demo::StylusSample> path_;
