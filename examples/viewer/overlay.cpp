@@ -268,7 +268,7 @@ void ImGuiLayer::draw() {
 
 void draw_overlay(const OverlayText& text, const ForceHistory& force, const Camera& camera,
                   const glm::ivec2& size, float pixels) {
-    readouts(text, pixels).draw({margin * pixels, margin * pixels});
+    if (!text.shows_keys) readouts(text, pixels).draw({margin * pixels, margin * pixels});
     draw_height_legend(text, size, pixels);
     draw_scale_bar(text, camera, size, pixels);
     draw_chart(force, size, pixels);
