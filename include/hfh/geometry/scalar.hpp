@@ -102,6 +102,25 @@ template <Real T>
            std::bit_cast<typename detail::Bits<T>::Type>(longest<T>);
 }
 
+/// x rounded to T, which it is already unless it is a product: where compilers may fuse a product with the sum that it goes
+/// into, they do it in one place and not in another, and the last bit differs. They cannot where they do not know that it is
+/// a product: an empty assembly hides that and costs no instruction.
+template <Real T>
+[[nodiscard]] constexpr T rounded(T x) noexcept {
+#if defined(__GNUC__)
+    if (!std::is_constant_evaluated()) {
+#if defined(__SSE_MATH__)
+        asm("" : "+x"(x));
+#elif defined(__aarch64__)
+        asm("" : "+w"(x));
+#else
+        asm("" : "+m"(x)); // no name for the registers that hold floats
+#endif
+    }
+#endif
+    return x;
+}
+
 /// x as a double, to the bit. Every conversion from float to double goes through here, because of an error of GCC 12: at
 /// -O2 it converts two numbers as a vector, and of a vector of (double)(float)y it drops both conversions and with them the
 /// rounding to float. It cannot where it does not know how x was made: an empty assembly hides that and costs no instruction.

@@ -12,6 +12,29 @@
 
 namespace hfh {
 
+namespace detail {
+
+/// The corners of a cell that is a quarter of one of the next coarser level, as means of that one's corners. Corners are
+/// numbered as 00, 10, 01, 11, and so are the quarters.
+template <Real T>
+struct QuarterMeans {
+    T weights[4][4][4]{}; ///< [quarter][corner of the whole][corner of the quarter]: 0, ¼, ½ or 1
+
+    constexpr QuarterMeans() noexcept {
+        for (int n = 0; n < 64; ++n) {
+            const int quarter = n / 16, whole = n / 4 % 4, corner = n % 4;
+            const int twice_u = quarter % 2 + corner % 2, twice_v = quarter / 2 + corner / 2;
+            const int share =
+                (whole % 2 == 0 ? 2 - twice_u : twice_u) * (whole / 2 == 0 ? 2 - twice_v : twice_v);
+            weights[quarter][whole][corner] = T(0.25) * static_cast<T>(share);
+        }
+    }
+};
+template <Real T>
+inline constexpr QuarterMeans<T> quarter_means;
+
+} // namespace detail
+
 /// A height field at any level of detail: (1 − α)·S_k + α·S_{k+1}, with S_k the bilinear surface over the samples of level k.
 ///
 /// It lies on the lattice of level k. There S_{k+1} is bilinear too, because a cell of level k is a quarter of one of level
@@ -27,29 +50,38 @@ namespace hfh {
 /// Holes and rims, decided vertex by vertex so that no cracks open: a cell has a patch where its four samples of level k
 /// are there. Where one of the samples of level k+1 is missing of which a corner wants the mean, the corner keeps its height
 /// of level k. So does the far rim where the cells of level k are odd in number. Neighbouring patches compute a shared corner
-/// by the same exact products and one rounding of each sum, whether or not a compiler fuses them.
+/// by the same roundings, to the bit.
 ///
 /// A patch costs eight samples in place of four, and with α = 0 four. The level is set between updates, not during one.
 /// Does not throw, does not allocate.
 template <Real T, LevelSource Levels>
 class BlendedField {
+    using Heights = typename Levels::Heights;
+    using SampleType = typename Heights::SampleType;
+
 public:
     using Scalar = T;
-    using Level = BilinearGrid<T, typename Levels::Heights>; ///< one level, not blended
+    using Level = BilinearGrid<T, Heights>; ///< one level, not blended
 
     /// The frame is that of level 0.
     constexpr BlendedField(const Levels& levels, const GridFrame& frame) noexcept
-        : levels_{levels}, frame_{frame}, fine_{grid(0)}, coarse_{grid(std::min(1, levels.count() - 1))} {}
+        : levels_{levels}, frame_{frame}, fine_{grid(0)}, coarse_{grid(std::min(1, levels.count() - 1))} {
+        if constexpr (std::is_integral_v<SampleType>) {
+            using Limits = std::numeric_limits<SampleType>;
+            turn_ = frame.height_scale < 0 ? static_cast<SampleType>(-1) : SampleType(0);
+            all_are_heights_ = fine_.in_range(fine_.heights_between(Limits::lowest(), Limits::max()));
+        }
+    }
 
     /// That of level 0.
     [[nodiscard]] constexpr GridStatus status() const noexcept { return grid(0).status(); }
     [[nodiscard]] constexpr int level_count() const noexcept { return levels_.count(); }
 
     /// The samples of level 0.
-    [[nodiscard]] constexpr typename Levels::Heights source() const noexcept { return levels_.heights(0); }
+    [[nodiscard]] constexpr Heights source() const noexcept { return levels_.heights(0); }
 
     /// Sets the level to any number from 0 to level_count() − 1: k is its whole part and α the rest. Takes the nearest
-    /// where there is no such level, and leaves the level as it is if that is NaN. Returns the level that is set.
+    /// where there is no such level, and leaves the level as it is for what is no number. Returns the level that is set.
     constexpr double set_level(double level) noexcept {
         if (!is_finite(level)) return this->level();
         level = std::clamp(level, 0.0, static_cast<double>(level_count() - 1));
@@ -59,16 +91,17 @@ public:
     /// The same with k and α by themselves, so that α may be 1. Takes the nearest that there is; with the coarsest level k
     /// α is 0. Returns the level that is set.
     constexpr double blend(int k, double alpha) noexcept {
+        if (!is_finite(alpha)) return level();
         const int last = level_count() - 1;
         k = std::clamp(k, 0, last);
-        alpha_ = k == last ? 0.0 : alpha > 0 ? std::min(alpha, 1.0) : 0.0;
+        alpha_ = k == last ? 0.0 : std::clamp(alpha, 0.0, 1.0);
         if (k != k_) {
             fine_ = grid(k);
             coarse_ = grid(std::min(k + 1, last));
             k_ = k;
         }
-        from_coarse_ = alpha_ > 0.5;
-        weight_ = static_cast<T>(from_coarse_ ? 1 - alpha_ : alpha_);
+        nearer_coarse_ = alpha_ > 0.5;
+        weight_ = static_cast<T>(nearer_coarse_ ? 1 - alpha_ : alpha_);
         return level();
     }
 
@@ -87,7 +120,7 @@ public:
         auto found = fine_.patch(c);
         if (!found || alpha_ == 0) return found;
         if (const auto coarse = coarse_.patch(cell_above(c))) [[likely]] {
-            blend_with(*found, *coarse, c);
+            blend(*found, *coarse, c);
         } else {
             blend_where_known(*found, c);
         }
@@ -96,8 +129,22 @@ public:
 
     /// See `QuickHeightField`. Compares the samples of both levels, without blending them: the blend lies between them.
     [[nodiscard, gnu::always_inline]] constexpr bool surely_below(Cell one, Cell other, T z) const noexcept {
-        return corners_below(fine_, one, other, z) &&
-               (alpha_ == 0 || corners_below(coarse_, cell_above(one), cell_above(other), z));
+        const bool blends = alpha_ != 0;
+        const Cell above = cell_above(one), other_above = cell_above(other);
+        // Four cells of level k lie in each of level k+1.
+        const bool there = blends ? has_cells(coarse_, above, other_above) : has_cells(fine_, one, other);
+        if (!there) return false;
+        SampleBounds bounds{in_order(fine_.heights()(one.i, one.j))};
+        add_corners(bounds, fine_.heights(), one, other);
+        if (blends) add_corners(bounds, coarse_.heights(), above, other_above);
+        if (bounds.holed) return false;
+        const SampleType highest = in_order(bounds.highest), lowest = in_order(bounds.lowest);
+        if constexpr (std::is_integral_v<SampleType>) {
+            return all_are_heights_ && fine_.heights_between(highest, highest).highest < z;
+        } else {
+            const HeightRange<T> range = fine_.heights_between(lowest, highest);
+            return fine_.in_range(range) && range.highest < z;
+        }
     }
 
 private:
@@ -110,61 +157,81 @@ private:
     /// The cell of level k+1 of which this one of level k is a quarter.
     [[nodiscard]] static constexpr Cell cell_above(Cell c) noexcept { return {c.i >> 1, c.j >> 1}; }
 
-    /// Whether two cells of a level that share a side have patches below z; or one cell given twice.
-    [[nodiscard, gnu::always_inline]] static constexpr bool corners_below(const Level& level, Cell one,
-                                                                          Cell other, T z) noexcept {
-        const CellRange cells = level.cells();
-        if (!cells.contains(one) || !cells.contains(other)) return false;
-        const Cell low{std::min(one.i, other.i), std::min(one.j, other.j)},
-            high{std::max(one.i, other.i), std::max(one.j, other.j)};
-        return level.corners_below({low,
-                                    {low.i + 1, low.j + 1},
-                                    high,
-                                    {high.i + 1, high.j + 1},
-                                    {high.i + 1, low.j},
-                                    {low.i, high.j + 1}},
-                                   z);
+    /// The lowest and the highest of some samples in order, and whether one of them is a hole.
+    struct SampleBounds {
+        SampleType lowest, highest = lowest;
+        bool holed = false;
+    };
+
+    /// Integers in the order of their heights, which the height scale may turn around. Turns them back as well.
+    [[nodiscard]] constexpr SampleType in_order(SampleType sample) const noexcept {
+        if constexpr (std::is_integral_v<SampleType>) return static_cast<SampleType>(sample ^ turn_);
+        return sample;
+    }
+    [[gnu::always_inline]] constexpr void add(SampleBounds& bounds, const Heights& heights, Index i,
+                                              Index j) const noexcept {
+        const SampleType sample = heights(i, j), ordered = in_order(sample);
+        bounds.holed |= heights.missing(sample);
+        if constexpr (std::is_floating_point_v<SampleType>)
+            bounds.holed |= !is_finite(static_cast<T>(sample));
+        bounds.lowest = ordered < bounds.lowest ? ordered : bounds.lowest;
+        bounds.highest = bounds.highest < ordered ? ordered : bounds.highest;
+    }
+    /// The corners of a cell and of its neighbour to the right or above, or of one cell given twice: which of these it is
+    /// would be hard to predict, so always six.
+    [[gnu::always_inline]] constexpr void add_corners(SampleBounds& bounds, const Heights& heights, Cell one,
+                                                      Cell other) const noexcept {
+        add(bounds, heights, one.i, one.j);
+        add(bounds, heights, one.i + 1, one.j + 1);
+        add(bounds, heights, other.i, other.j);
+        add(bounds, heights, other.i + 1, other.j + 1);
+        add(bounds, heights, other.i + 1, one.j);
+        add(bounds, heights, one.i, other.j + 1);
     }
 
-    /// The blend of a height of level k with one of level k+1: exact at α = 0 and α = 1, never beyond either, and one product
-    /// and one sum, so that no two compilations of it differ.
-    [[nodiscard, gnu::always_inline]] constexpr T blend_of(T fine, T coarse) const noexcept {
-        const T base = from_coarse_ ? coarse : fine, other = from_coarse_ ? fine : coarse;
-        return base + weight_ * (other - base);
+    [[nodiscard]] static constexpr bool has_cells(const Level& level, Cell one, Cell other) noexcept {
+        const Cell end = level.cells().end;
+        return one.i >= 0 && one.j >= 0 && other.i < end.i && other.j < end.j;
     }
 
-    [[gnu::always_inline]] constexpr void blend_with(BilinearPatch<T>& fine, const BilinearPatch<T>& coarse,
-                                                     Cell c) const noexcept {
-        // Halves, so the products in `height` are exact.
-        const T u0 = T(0.5) * static_cast<T>(c.i & 1), v0 = T(0.5) * static_cast<T>(c.j & 1);
-        const T u1 = u0 + T(0.5), v1 = v0 + T(0.5);
-        fine.p00 = blend_of(fine.p00, coarse.height(u0, v0));
-        fine.p10 = blend_of(fine.p10, coarse.height(u1, v0));
-        fine.p01 = blend_of(fine.p01, coarse.height(u0, v1));
-        fine.p11 = blend_of(fine.p11, coarse.height(u1, v1));
+    /// Which quarter of its cell of level k+1 a cell is.
+    [[nodiscard]] static constexpr Index quarter(Cell c) noexcept { return (c.i & 1) + 2 * (c.j & 1); }
+
+    /// Blends corner number `corner` of a cell with the mean of the corners of level k+1 around it. The products of the mean
+    /// are exact, and the blend is exact at α = 0 and α = 1 and never beyond either height.
+    [[nodiscard, gnu::always_inline]] constexpr T
+    blended(T fine, const BilinearPatch<T>& coarse, const T (&weights)[4][4], int corner) const noexcept {
+        const T mean = (weights[0][corner] * coarse.p00 + weights[1][corner] * coarse.p10) +
+                       (weights[2][corner] * coarse.p01 + weights[3][corner] * coarse.p11);
+        const T base = nearer_coarse_ ? mean : fine, other = nearer_coarse_ ? fine : mean;
+        return base + rounded(weight_ * (other - base));
+    }
+
+    [[gnu::always_inline]] constexpr void blend(BilinearPatch<T>& fine, const BilinearPatch<T>& coarse,
+                                                Cell c) const noexcept {
+        const auto& weights = detail::quarter_means<T>.weights[quarter(c)];
+        // Side by side, so that a compiler makes vector code of the sums.
+        T corners[4]{fine.p00, fine.p10, fine.p01, fine.p11};
+        for (int k = 0; k < 4; ++k) corners[k] = blended(corners[k], coarse, weights, k);
+        fine.p00 = corners[0], fine.p10 = corners[1], fine.p01 = corners[2], fine.p11 = corners[3];
     }
 
     /// The same where the cell of level k+1 has no patch: the corners for which all samples are there.
     [[gnu::noinline]] constexpr void blend_where_known(BilinearPatch<T>& fine, Cell c) const noexcept {
         const Cell above = cell_above(c);
-        const auto q00 = coarse_height(above.i, above.j), q10 = coarse_height(above.i + 1, above.j);
-        const auto q01 = coarse_height(above.i, above.j + 1), q11 = coarse_height(above.i + 1, above.j + 1);
-        // What is missing counts nothing where it has the weight 0.
-        const BilinearPatch<T> coarse{q00.value_or(T(0)), q10.value_or(T(0)), q01.value_or(T(0)),
-                                      q11.value_or(T(0)), fine.spacing};
-        const auto blend_corner = [&](T& corner, Index i, Index j) {
-            const bool on_left = i<2, on_right = i> 0, on_bottom = j<2, on_top = j> 0; // in halves
-            if ((q00 || !on_left || !on_bottom) && (q10 || !on_right || !on_bottom) &&
-                (q01 || !on_left || !on_top) && (q11 || !on_right || !on_top)) {
-                corner =
-                    blend_of(corner, coarse.height(T(0.5) * static_cast<T>(i), T(0.5) * static_cast<T>(j)));
-            }
-        };
-        const Index i = c.i & 1, j = c.j & 1;
-        blend_corner(fine.p00, i, j);
-        blend_corner(fine.p10, i + 1, j);
-        blend_corner(fine.p01, i, j + 1);
-        blend_corner(fine.p11, i + 1, j + 1);
+        const std::optional<T> known[4]{coarse_height(above.i, above.j), coarse_height(above.i + 1, above.j),
+                                        coarse_height(above.i, above.j + 1),
+                                        coarse_height(above.i + 1, above.j + 1)};
+        const auto or_zero = [](const std::optional<T>& height) { return height ? *height : T(0); };
+        const BilinearPatch<T> coarse{or_zero(known[0]), or_zero(known[1]), or_zero(known[2]),
+                                      or_zero(known[3]), fine.spacing};
+        const auto& weights = detail::quarter_means<T>.weights[quarter(c)];
+        T* const corners[4]{&fine.p00, &fine.p10, &fine.p01, &fine.p11};
+        for (int k = 0; k < 4; ++k) {
+            bool all = true;
+            for (int whole = 0; whole < 4; ++whole) all &= known[whole] || weights[whole][k] == 0;
+            if (all) *corners[k] = blended(*corners[k], coarse, weights, k);
+        }
     }
 
     /// The height of a sample of level k+1, if it is there.
@@ -181,9 +248,11 @@ private:
     GridFrame frame_;
     Level fine_, coarse_;
     double alpha_ = 0;
-    T weight_ = 0;             ///< of the level that counts less
-    bool from_coarse_ = false; ///< that is level k
+    T weight_ = 0;               ///< of the level that counts less
+    bool nearer_coarse_ = false; ///< that is level k
     int k_ = 0;
+    SampleType turn_ = 0;          ///< integers: what turns their order around if the height scale does
+    bool all_are_heights_ = false; ///< integers: none is too large to be a height
 };
 
 /// Computes in double unless told otherwise.

@@ -43,9 +43,10 @@ concept CorneredHeightField = HeightField<F>
     };
 // clang-format on
 
-/// A height field that tells at little cost of most cells that lie far below a height that they do. The two cells share a
-/// side, or are one given twice. If `surely_below(one, other, z)` is true, they have patches and these lie below z, to the
-/// bit; if it is false, they may all the same. That pays where a patch is computed from samples that bound it.
+/// A height field that tells at little cost of most cells that lie far below a height that they do. If
+/// `surely_below(one, other, z)` is true, both cells have patches and these lie below z, to the bit; if it is false, they may
+/// all the same. That pays where a patch is computed from samples that bound it. Precondition: `other` is the neighbour of
+/// `one` to the right or above, or the same cell.
 // clang-format off
 template <class F>
 concept QuickHeightField = HeightField<F>
