@@ -85,11 +85,10 @@ public:
             ::_exit(127);
         }
         ::close(told[1]);
-        std::array<char, 16> text{};
-        const ssize_t length = ::read(told[0], text.data(), text.size() - 1);
+        std::string number;
+        for (char c = 0; ::read(told[0], &c, 1) == 1 && c != '\n';) number += c;
         ::close(told[0]);
-        if (length > 0)
-            name = ":" + std::string{text.data(), static_cast<std::size_t>(std::max<ssize_t>(0, length - 1))};
+        if (!number.empty()) name = ":" + number;
     }
     ~Display() {
         if (child_ <= 0) return;
