@@ -2,32 +2,17 @@
 #define LARGE_TERRAIN_COMMAND_LINE_HPP
 
 #include <bad_input.hpp>
+#include <command_options.hpp>
 #include <numbers.hpp>
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <concepts>
-#include <cstdio>
 #include <string>
 
 namespace large_terrain {
 
-/// False if the user asked for help, which has then been printed. Throws BadInput.
-inline bool read_command_line(CLI::App& app, int argc, const char* const* argv) {
-    try {
-        app.parse(argc, argv);
-        return true;
-    } catch (const CLI::CallForHelp&) {
-        std::fputs(app.help().c_str(), stdout);
-        return false;
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::ranges::replace(what, '\n', ' ');
-        throw demo::BadInput{"The command line cannot be read (see --help): " + what +
-                             (what.ends_with('.') ? "" : ".")};
-    }
-}
+using demo::read_command_line;
 
 /// The number that `text` is, from `low` to `high`. Throws BadInput.
 template <class T>

@@ -21,21 +21,10 @@
 namespace demo {
 namespace {
 
-constexpr const char* bundled_terrain = TOUCH_TERRAIN_BUNDLED;
-constexpr glm::dvec2 bundled_spacing{73.596, 92.491}; // examples/data/README.md
-
-/// The terrain that `options` names, or else the bundled one, about which nothing is open. Refused if an output would take
-/// its place.
+/// The terrain that `options` name. Refused if an output would take its place.
 Terrain terrain_of(const Options& options) {
-    std::error_code none;
-    const std::filesystem::path file = options.terrain.value_or(bundled_terrain);
-    ReadOptions read = options.read;
-    if (!options.terrain || std::filesystem::equivalent(file, bundled_terrain, none)) {
-        if (!read.spacing) read.spacing = bundled_spacing;
-        if (!read.unit) read.unit = 1.0;
-        if (read.channel.empty() && read.encoding == Encoding::none) read.channel = "alpha";
-    }
-    Terrain terrain = read_terrain(file, read);
+    Terrain terrain = open_terrain(options);
+    const std::filesystem::path file = terrain_file(options);
     if (options.record) refuse_to_replace_terrain(file, "--record", *options.record);
     if (options.picture) refuse_to_replace_terrain(file, "--picture", *options.picture);
     return terrain;
@@ -67,10 +56,7 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
 void run(const Options& options) {
     if (options.picture) require_gnuplot();
     const Terrain terrain = terrain_of(options);
-    const hfh::GridFrame frame{.spacing =
-                                   terrain.spacing.value_or(glm::dvec2{options.read.unit.value_or(1.0)}),
-                               .height_scale = options.height_scale * terrain.height_scale,
-                               .height_offset = options.height_scale * terrain.height_offset};
+    const hfh::GridFrame frame = frame_of(terrain, options);
     const Ground ground = ground_of(terrain, frame);
 
     std::optional<StylusPathFile> file;

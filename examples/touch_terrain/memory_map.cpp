@@ -12,7 +12,7 @@
 
 namespace demo {
 
-MemoryMap::MemoryMap(const std::filesystem::path& file) {
+MemoryMap::MemoryMap(const std::filesystem::path& file, MapAccess access) {
     const auto refuse = [&](const std::string& why) {
         return BadInput{file.string() + " cannot be read: " + why + "."};
     };
@@ -30,7 +30,10 @@ MemoryMap::MemoryMap(const std::filesystem::path& file) {
     size_ = static_cast<std::size_t>(about.st_size);
     if (size_ == 0) return; // an empty file cannot be mapped, and need not be
 
-    void* const data = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    // No room is reserved for copies: only the pages that are written to take any.
+    const bool writes = access == MapAccess::copy_on_write;
+    void* const data = ::mmap(nullptr, size_, writes ? PROT_READ | PROT_WRITE : PROT_READ,
+                              writes ? MAP_PRIVATE | MAP_NORESERVE : MAP_PRIVATE, descriptor, 0);
     if (data == MAP_FAILED) throw refuse(std::strerror(errno));
     data_ = static_cast<const std::byte*>(data);
 }

@@ -7,11 +7,16 @@
 
 namespace demo {
 
-/// A file seen as memory, read only. The system brings in the pages that are touched, and no others.
+enum class MapAccess : unsigned char {
+    read_only,
+    copy_on_write ///< the bytes may be written to: in memory, never in the file
+};
+
+/// A file seen as memory. The system brings in the pages that are touched, and no others.
 class MemoryMap {
 public:
     /// Throws BadInput if the file is missing, unreadable or not a regular file.
-    explicit MemoryMap(const std::filesystem::path& file);
+    explicit MemoryMap(const std::filesystem::path& file, MapAccess access = MapAccess::read_only);
     ~MemoryMap();
     MemoryMap(const MemoryMap&) = delete;
     MemoryMap& operator=(const MemoryMap&) = delete;

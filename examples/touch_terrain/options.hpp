@@ -1,7 +1,7 @@
 #ifndef TOUCH_TERRAIN_OPTIONS_HPP
 #define TOUCH_TERRAIN_OPTIONS_HPP
 
-#include "terrain.hpp"
+#include "terrain_options.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -11,10 +11,7 @@ namespace demo {
 enum class DeviceChoice { none, touch, premium };
 
 /// The command line, checked.
-struct Options {
-    std::optional<std::filesystem::path> terrain; ///< none: the bundled one
-    ReadOptions read;
-    double height_scale = 1.0;
+struct Options : TerrainOptions {
     std::optional<std::filesystem::path> path; ///< none: the built-in stroke
     DeviceChoice device = DeviceChoice::touch;
     std::optional<double> stiffness;

@@ -160,7 +160,8 @@ Terrain read_raster(const std::filesystem::path& file, const ReadOptions& option
     require_a_patch(header.file, static_cast<hfh::Index>(header.columns),
                     static_cast<hfh::Index>(header.rows));
 
-    const auto map = std::make_shared<const MemoryMap>(file);
+    const auto map = std::make_shared<const MemoryMap>(file, options.for_editing ? MapAccess::copy_on_write
+                                                                                 : MapAccess::read_only);
     const std::uint64_t needed = header.skip + header.rows * header.row_bytes; // < 2^31 + 2^62: no overflow
     if (const std::uint64_t there = map->bytes().size(); there != needed) {
         throw BadInput{file.string() + (there < needed ? " is cut short: it" : "") + " has " +

@@ -42,6 +42,8 @@ struct ReadOptions {
     /// Grey, red, green, blue, alpha, or a number from 1; empty: the one that holds heights.
     std::string channel = {};
     Encoding encoding = Encoding::none;
+    /// The samples may be written to afterwards, through `editable`: in memory, never in the file.
+    bool for_editing = false;
 };
 
 /// A terrain from a file: a view on samples, south row first, and whatever keeps those samples alive. A sample s lies at
@@ -56,6 +58,12 @@ struct Terrain {
     /// What the file leaves open and was decided here: each a sentence without its full stop, for people.
     std::vector<std::string> assumed;
 };
+
+/// The samples of a terrain that was read with `ReadOptions::for_editing`. They are in memory that is nobody's constant.
+template <hfh::Sample S>
+[[nodiscard]] S* editable(const Heights<S>& heights) noexcept {
+    return const_cast<S*>(heights.data());
+}
 
 /// Reads `file` by the end of its name: .png, .bil and .flt, and with GDAL anything that GDAL opens, its names of
 /// subdatasets and paths in /vsi… included. Pipes and devices are refused. Throws BadInput.

@@ -1,0 +1,120 @@
+#ifndef VIEWER_HAPTICS_HPP
+#define VIEWER_HAPTICS_HPP
+
+#include "felt_ground.hpp"
+#include "mouse_hand.hpp"
+#include "path_hand.hpp"
+#include "row_queue.hpp"
+
+#include <touch.hpp>
+
+#include <hfh/device/force_guard.hpp>
+#include <hfh/device/triple_buffer.hpp>
+#include <hfh/device/workspace.hpp>
+#include <hfh/force/damping.hpp>
+#include <hfh/force/virtual_coupling.hpp>
+#include <hfh/simulation/simulated_device.hpp>
+
+#include <optional>
+
+namespace viewer {
+
+enum class DeviceKind : unsigned char { touch, premium, none };
+
+struct HapticsSettings {
+    DeviceKind device = DeviceKind::touch;
+    std::optional<double> stiffness;      ///< N/m at the hand; none: the device's
+    std::vector<demo::StylusSample> path; ///< in the terrain; empty: the pointer moves the hand
+    glm::dvec2 size{0.0};                 ///< m of terrain, from the south-west sample to the north-east one
+    double cell = 1;                      ///< m of terrain between samples
+};
+
+/// m of terrain per m of hand at which all of a terrain of `size` (m) is within the device's reach.
+[[nodiscard]] double whole_terrain_scale(DeviceKind device, const glm::dvec2& size) noexcept;
+
+/// The half of the program that is about the hand: everything that happens in one update of a millisecond, and what goes to
+/// and comes from the display without waiting.
+///
+/// A simulated device is held by a hand that wants to be where the pointer or a path says. Or there is no device, and the
+/// stylus is where the hand wants to be, whatever the force.
+class Haptics {
+public:
+    using Rows = RowQueue<demo::Touch, 8192>;
+
+    /// `ground` must outlive it.
+    Haptics(FeltGround& ground, HapticsSettings settings);
+
+    /// One update of the simulated device, or of a stylus without one.
+    void tick() noexcept;
+
+    /// After the last update: no force any more.
+    void end() noexcept;
+
+    /// From one other thread.
+    void tell(const HandInput& input) noexcept { input_.put(input); }
+    bool show(HandState& state) noexcept { return shown_.take(state); }
+    [[nodiscard]] Rows& rows() noexcept { return rows_; }
+
+    /// Once no update runs any more.
+    [[nodiscard]] const hfh::GuardCounts& guard_counts() const noexcept { return guard_.counts(); }
+    [[nodiscard]] static constexpr double period() noexcept { return 1e-3; }
+    /// N/m at the hand, by default.
+    [[nodiscard]] double default_stiffness() const noexcept;
+
+private:
+    struct Wanted {
+        const glm::dvec3* position;
+        [[nodiscard]] glm::dvec3 operator()(double) const noexcept { return *position; }
+    };
+    using Device = hfh::SimulatedDevice<Wanted>;
+
+    void take_input() noexcept;
+    void change_scale() noexcept;
+    void change_level() noexcept;
+    void move_hand() noexcept;
+    void paint() noexcept;
+    hfh::GuardedForce feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept;
+    void publish(const glm::dvec3& hand, const glm::dvec3& stylus, const hfh::GuardedForce& felt) noexcept;
+    void show_whole_terrain() noexcept;
+    [[nodiscard]] glm::dvec3 ground_normal(const glm::dvec2& terrain) const noexcept;
+    [[nodiscard]] double ground_at_hand(const glm::dvec2& terrain) const noexcept;
+
+    FeltGround* ground_;
+    HapticsSettings settings_;
+    double cell_;
+    hfh::DeviceModel model_;
+    hfh::Workspace<double> workspace_;
+    hfh::VelocityFilter<double> velocity_;
+    hfh::ForceGuard guard_;
+    std::optional<hfh::VirtualCoupling> coupling_;
+    double coupled_stiffness_ = 0;
+
+    glm::dvec3 wanted_{0.0}; ///< m at the hand
+    MouseHand mouse_;
+    std::optional<PathHand> path_;
+    std::optional<Device> device_;
+    glm::dvec3 newtons_{0.0}; ///< at the hand
+    double last_ground_ = 0;  ///< m at the hand, where the stylus was last over ground
+    glm::dvec3 last_stylus_{0.0};
+    hfh::Contact<double> contact_{};
+    std::uint64_t updates_ = 0;
+
+    HandInput told_{}, before_{}; ///< what the display says, and what has been done of its totals
+    double zoom_left_ = 0;        ///< log₂ of the scale, still to come
+    double smallest_scale_ = 0, largest_scale_ = 0;
+    bool painting_ = false;
+    Spot spot_{};
+    hfh::Index spot_row_ = 0;
+    bool spot_is_open_ = false;
+    double unpainted_ = 0; ///< m of terrain
+    bool undoing_ = false;
+    HandState state_{};
+
+    hfh::TripleBuffer<HandInput> input_;
+    hfh::TripleBuffer<HandState> shown_;
+    Rows rows_;
+};
+
+} // namespace viewer
+
+#endif // VIEWER_HAPTICS_HPP
