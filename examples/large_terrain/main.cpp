@@ -48,8 +48,8 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
         ->type_name("MS");
     app.add_option(
            "--zoom", zoom,
-           "Instead of that: so many times 1024 times in and out again in 4 s, as far as the terrain has "
-           "8 cells across, while touching. The level of detail waits for its samples")
+           "Zoom instead, so many times: 1024 times in and out again while touching, or as far as the "
+           "terrain has 8 cells across. In 4 s each, unless --seconds says how long all take")
         ->type_name("TRIPS");
     app.add_flag("--single-pages", options.single_pages,
                  "Keep the kernel from reading more than the page that is missing (madvise RANDOM)");
@@ -63,8 +63,9 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
 
     if (!zoom.empty()) {
         options.zoom = number_from("--zoom", zoom, 1, 1000);
-        if (!seconds.empty() || !speed.empty() || !look_ahead.empty())
-            throw demo::BadInput{"--zoom goes with --single-pages only."};
+        if (seconds.empty()) options.seconds = 4.0 * options.zoom;
+        if (!speed.empty() || !look_ahead.empty())
+            throw demo::BadInput{"--zoom goes with neither --speed nor --look-ahead."};
     }
 
     std::string kind = options.terrain.extension().string();
@@ -203,7 +204,7 @@ void print(const Run& without, const Run& with) {
 template <class Heights>
 int zoom(const Heights& heights, const glm::dvec2& spacing, const Options& options,
          const demo::MemoryMap& map) {
-    ZoomSession session{.spacing = spacing, .trips = options.zoom};
+    ZoomSession session{.spacing = spacing, .trips = options.zoom, .seconds = options.seconds / options.zoom};
     while (session.coarsest > 0 && (std::min(heights.columns(), heights.rows()) - 1) >> session.coarsest < 8)
         --session.coarsest;
     std::printf("zooming from level %d to level 0 and back, %d times\n", session.coarsest, session.trips);

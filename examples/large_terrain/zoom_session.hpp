@@ -8,6 +8,8 @@
 #include <hfh/device/workspace.hpp>
 #include <hfh/terrain/blended_field.hpp>
 
+#include <glm/common.hpp>
+
 #include <cmath>
 #include <numbers>
 
@@ -34,8 +36,8 @@ struct ZoomReport : SessionReport {
     return 0.5 * spacing * glm::dvec2{static_cast<double>(columns - 1), static_cast<double>(rows - 1)};
 }
 
-/// A hand that presses with 1 N and goes round in a circle of 8 mm, once in 0.83 s. While the terrain is small in the hand
-/// it goes to the place of the next trip as well.
+/// A hand that presses with 1 N and goes round in a circle of 8 mm, or as wide as there is ground, once in 0.83 s. While
+/// the terrain is small in the hand it goes to the place of the next trip as well.
 ///
 /// The terrain's scale is as the trip says: a cell of the level wanted is half a millimetre wide in the hand.
 template <class Heights>
@@ -90,7 +92,9 @@ private:
 
     void move_hand(double wanted, double trip) noexcept {
         const double angle = turn * static_cast<double>(tick_) / 1000;
-        glm::dvec2 velocity = radius * turn * glm::dvec2{-std::sin(angle), std::cos(angle)};
+        const glm::dvec2 here{workspace_.to_terrain(hand_)}, to_rims = glm::min(here, size_ - here);
+        const double room = 0.5 * std::max(0.0, std::min(to_rims.x, to_rims.y)) / workspace_.frame().scale;
+        glm::dvec2 velocity = std::min(radius, room) * turn * glm::dvec2{-std::sin(angle), std::cos(angle)};
         if (wanted > session_.coarsest - 2) {
             // Somewhere else every time, in the inner 60 %.
             const glm::dvec2 share{std::fmod(0.5 + 0.6180 * trip, 1.0), std::fmod(0.5 + 0.7549 * trip, 1.0)};
