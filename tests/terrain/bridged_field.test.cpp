@@ -213,7 +213,8 @@ TEMPLATE_TEST_CASE("BridgedField: a stylus is dragged over voids without losing 
             for (Index k = 0; k < 3; ++k) ground.remove(i + k, j);
     const auto grid = ground.grid();
     const BridgedField field{grid, 4};
-    ProxyTracker bridged{field}, plain{grid};
+    ProxyTracker bridged{field};
+    ProxyTracker plain{grid};
     int lost = 0, lost_without = 0;
     for (int n = 0; n <= 1000; ++n) {
         const T x = T(2 + 0.055 * n);
