@@ -130,9 +130,9 @@ std::unique_ptr<Tile> read_tile(hfh::Cell at) {
     return tile;
 }
 
-/// When tile i of the row under the hand is there, in milliseconds. The hand comes to it at about 640·i.
+/// When tile i of the row under the hand is there, in milliseconds. The hand is a cell away from it at 640·i − 110.
 int arrives(hfh::Index i) {
-    const int needed = static_cast<int>(640 * i - 40);
+    const int needed = static_cast<int>(640 * i - 110);
     return i == 3 ? needed + 15 : i == 5 ? needed + 1000 : needed - 100;
 }
 
