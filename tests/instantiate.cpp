@@ -14,6 +14,8 @@
 #include <hfh/force/passivity_observer.hpp>
 #include <hfh/force/virtual_coupling.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/loop/any_haptic_loop.hpp>
+#include <hfh/loop/haptic_loop.hpp>
 #include <hfh/simulation/driven_axis.hpp>
 #include <hfh/simulation/end_stops.hpp>
 #include <hfh/simulation/simulated_device.hpp>
@@ -77,6 +79,8 @@ template class TripleBuffer<DeviceSample>;
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
     template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
+    template class HapticLoop<BilinearGrid<float, HeightView<S>>>;                                           \
+    template class FieldLoop<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                          \
     template struct SampleRange<S>;                                                                          \
     template class MinMaxPyramid<S>;                                                                         \
     template class BoundedGrid<float, HeightView<S>>;                                                        \
