@@ -84,11 +84,12 @@ public:
         const Wide promise = nearest_promise<T>;
         if (found.status == NearestStatus::none_within) {
             if (found.has_point()) verdict.fault = "none, and yet a point";
-            const Wide slack = promise * std::max(cell, max_distance);
             if (std::isinf(max_distance)) {
                 if (has_patches()) verdict.fault = "none, but there are patches";
-            } else if (nearer_than(q, max_distance - slack, nullptr).distance < max_distance - slack) {
-                verdict.fault = "none within, but there is one";
+            } else {
+                const Nearer nearer = nearer_than(q, max_distance, nullptr);
+                if (max_distance - nearer.distance > promise * std::max({cell, max_distance, nearer.relief}))
+                    verdict.fault = "none within, but there is one";
             }
             return verdict;
         }

@@ -83,8 +83,9 @@ inline void offer_edges(const RelativePatch& p, RelativePatch::Foot& best) noexc
     offer(1, along(p.y, p.dy, p.z10, p.z11 - p.z10));
 }
 
-/// The stationary point with |t| < 1 of the unbounded patch, which is the closest point of that. There is one at most, and
-/// none where the query lies on the medial axis or beside it; then the result's `squared` is infinite. With q = S_y and
+/// The stationary point with |t| < 1 of the unbounded patch, which is the closest point of that, if it is in the cell. There
+/// is one at most, and none where the query lies on the medial axis; it is not found very near to that either (|t| from 0.999
+/// on). Where none is found the result's `squared` is infinite. With q = S_y and
 /// p = S_x there, and G, K, z₀ the slopes and the height over (0, 0):
 ///
 ///     p = (G − t K)/(1 − t²),  q = (K − t G)/(1 − t²),  x = −z p,  y = −z q
@@ -111,8 +112,9 @@ inline void offer_edges(const RelativePatch& p, RelativePatch::Foot& best) noexc
         const double change = psi / fall;
         double next = z + change;
         if (std::abs(change) <= 1e-8 * std::abs(z)) {
-            // Newton's method doubles the digits. To first order p and q change by as little, which is seen.
+            // Newton's method doubles the digits, but where ψ' grows without end.
             const double s = next * m, w = 1 / (1 - s * s);
+            if (!(std::abs(s) < 0.999)) return none;
             const double u = uq - next * (G - s * K) * w * per_x, v = vq - next * (K - s * G) * w * per_y;
             if (!(0 <= u && u <= 1 && 0 <= v && v <= 1)) return none;
             return patch.foot(u, v);
