@@ -41,7 +41,8 @@ Queries make_queries(const G& ground, const Reach& reach, const Field& grid, con
         made.at.push_back({plan, ground.surface(plan.x, plan.y) + off});
         const glm::dvec2 sample = glm::round(cells) * spacing;
         made.begin.push_back({sample, ground.surface(sample.x, sample.y)});
-        const auto plain = nearest_point(grid, made.at.back()), pruned = nearest_point(bounded, made.at.back());
+        const auto plain = nearest_point(grid, made.at.back()),
+                   pruned = nearest_point(bounded, made.at.back());
         const double size = std::abs(off) + 2 * ground.cell();
         if (plain.status != NearestStatus::found || pruned.status != NearestStatus::found ||
             plain.distance > std::abs(off) + 1e-12 * size ||
@@ -103,7 +104,9 @@ void on(const G& ground, bool with_cgal, Findings& into) {
     std::vector<Queries> all;
     for (const Reach& reach : reaches) all.push_back(make_queries(ground, reach, grid, bounded));
     const auto evaluated = race({evaluate(grid, all[0], reaches[0]), find(grid, all[0], reaches[0])}, rounds);
-    into.numbers.push_back({"nearest_evaluation", size, evaluated[1].fastest / evaluated[0].fastest,
+    into.numbers.push_back({"nearest_evaluation",
+                            size,
+                            evaluated[1].fastest / evaluated[0].fastest,
                             {evaluated[0].fastest, evaluated[1].fastest}});
 
     const auto beside = [&](const std::unique_ptr<ClosestPeer>& peer) {
@@ -114,8 +117,10 @@ void on(const G& ground, bool with_cgal, Findings& into) {
                 for (std::size_t k = slice * reach.a_slice; k < (slice + 1) * reach.a_slice; ++k)
                     peer->follow(&queries.at[k], 1, queries.begin[k], &queries.theirs[k]);
             };
-            const Runner reference{queries.at.size() / reach.a_slice, static_cast<double>(reach.a_slice), theirs};
-            const auto paces = race({reference, find(grid, queries, reach), find(bounded, queries, reach)}, rounds);
+            const Runner reference{queries.at.size() / reach.a_slice, static_cast<double>(reach.a_slice),
+                                   theirs};
+            const auto paces =
+                race({reference, find(grid, queries, reach), find(bounded, queries, reach)}, rounds);
             const std::string errors = errors_of(queries, peer->name(), ground.cell());
             const std::string figure = text(reach.cells) + " cells, " + size + ", " + peer->name();
             for (const bool with_bounds : {false, true}) {
@@ -140,7 +145,8 @@ void on(const G& ground, bool with_cgal, Findings& into) {
     if (with_cgal) {
         beside(cgal_aabb_tree(for_peers(ground)));
     } else {
-        into.skipped.push_back({"nearest_near", "CGAL's tree of 16.8 M cells takes 6 GB of memory: target bench_full"});
+        into.skipped.push_back(
+            {"nearest_near", "CGAL's tree of 16.8 M cells takes 6 GB of memory: target bench_full"});
     }
 #else
     into.skipped.push_back({"nearest_near", "CGAL is not installed"});

@@ -22,7 +22,8 @@ inline constexpr Wide nearest_promise = std::is_same_v<T, float> ? 4e-6L : 1e-12
 template <Real T>
 [[nodiscard]] vec3<T> nearest_query(Random& random, const Terrain<T>& ground, double farthest) {
     const Surface<T> surface{ground};
-    const double columns = static_cast<double>(ground.columns - 1), rows = static_cast<double>(ground.rows - 1);
+    const double columns = static_cast<double>(ground.columns - 1),
+                 rows = static_cast<double>(ground.rows - 1);
     const glm::dvec2 spacing = ground.frame.spacing;
     const double off = 1e-6 * std::pow(farthest / 1e-6, random.unit()) * std::min(spacing.x, spacing.y);
     glm::dvec2 at{random.between(0, columns), random.between(0, rows)};
@@ -58,7 +59,8 @@ template <Real T>
         }
         break;
     default: {
-        const double angle = random.between(0, 6.283185307), up = random.between(-1, 1), flat = std::sqrt(1 - up * up);
+        const double angle = random.between(0, 6.283185307), up = random.between(-1, 1),
+                     flat = std::sqrt(1 - up * up);
         way = {flat * std::cos(angle), flat * std::sin(angle), up};
     }
     }
@@ -108,18 +110,24 @@ public:
         const Wide claimed = length(offset), relief = patch->highest() - patch->lowest();
         const Wide size = std::max({cell, relief, claimed});
         // x − x₀ is rounded once, and so is the line that is subtracted.
-        const Wide rounding = static_cast<Wide>(epsilon<double>) * (std::abs(q.x - origin(0)) + std::abs(q.y - origin(1))) *
+        const Wide rounding = static_cast<Wide>(epsilon<double>) *
+                              (std::abs(q.x - origin(0)) + std::abs(q.y - origin(1))) *
                               (1 + relief / std::min(surface_.dx(), surface_.dy()));
         const Wide allowed = promise * size + rounding;
         const Wide slack = allowed / 8;
         const Nearer nearer = nearer_than(q, claimed - slack, &offset);
-        verdict.error = nearer.distance < claimed - slack ? (claimed - nearer.distance) / std::max(size, nearer.relief) : Wide(0);
-        if (claimed - nearer.distance > std::max(allowed, promise * nearer.relief)) verdict.fault = "not the nearest";
-        if (std::abs(static_cast<Wide>(found.distance) - claimed) > allowed) verdict.fault = "the distance is not that of the point";
+        verdict.error = nearer.distance < claimed - slack
+                            ? (claimed - nearer.distance) / std::max(size, nearer.relief)
+                            : Wide(0);
+        if (claimed - nearer.distance > std::max(allowed, promise * nearer.relief))
+            verdict.fault = "not the nearest";
+        if (std::abs(static_cast<Wide>(found.distance) - claimed) > allowed)
+            verdict.fault = "the distance is not that of the point";
         if (length(wide(found.offset) - offset) > allowed * 2) verdict.fault = "offset";
         const Point at = wide(found.position) - Point{q.x + offset.x, q.y + offset.y, q.z + offset.z};
         const Wide coordinates = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)}) + claimed;
-        if (length(at) > allowed * 2 + 4 * static_cast<Wide>(epsilon<T>) * coordinates) verdict.fault = "position";
+        if (length(at) > allowed * 2 + 4 * static_cast<Wide>(epsilon<T>) * coordinates)
+            verdict.fault = "position";
         if (claimed > max_distance + allowed) verdict.fault = "beyond the distance";
         judge_side(q, found, *patch, u, v, offset, allowed, verdict);
         return verdict;
@@ -139,7 +147,8 @@ public:
             end = static_cast<Index>(std::clamp(std::ceil(to) + 1, Wide(0), static_cast<Wide>(count)));
         };
         Index i0, i1, j0, j1;
-        range(surface_.column_of(q.x - within), surface_.column_of(q.x + within), ground_->columns - 1, i0, i1);
+        range(surface_.column_of(q.x - within), surface_.column_of(q.x + within), ground_->columns - 1, i0,
+              i1);
         range(surface_.row_of(q.y - within), surface_.row_of(q.y + within), ground_->rows - 1, j0, j1);
         const Wide far = plane ? length(*plane) : Wide(0);
         SeenPatch seen{PatchCase<T>{}};
@@ -164,10 +173,12 @@ public:
     }
 
 private:
-    [[nodiscard]] static bool behind(const WidePatch& p, const Point& local, const Point& plane, Wide far, Wide within) {
+    [[nodiscard]] static bool behind(const WidePatch& p, const Point& local, const Point& plane, Wide far,
+                                     Wide within) {
         Wide least = std::numeric_limits<Wide>::max();
         for (const Wide v : {Wide(0), Wide(1)}) {
-            for (const Wide u : {Wide(0), Wide(1)}) least = std::min(least, dot(p.position(u, v) - local, plane));
+            for (const Wide u : {Wide(0), Wide(1)})
+                least = std::min(least, dot(p.position(u, v) - local, plane));
         }
         return least / far >= within;
     }
@@ -196,9 +207,11 @@ private:
             const Wide slack = allowed + 8 * surface_.blur(*under, q, static_cast<Wide>(epsilon<T>)) +
                                nearest_promise<T> * (p->highest() - p->lowest());
             const Side side = above < 0 ? Side::below : Side::above;
-            if (std::abs(above) > slack && found.side != side) verdict.fault = "side of the patch over or under it";
+            if (std::abs(above) > slack && found.side != side)
+                verdict.fault = "side of the patch over or under it";
         } else if (found.side == Side::none) {
-            if (surface_.missing_at({found.point.cell.i, found.point.cell.j, u, v}) == 0) verdict.fault = "side unknown off a rim";
+            if (surface_.missing_at({found.point.cell.i, found.point.cell.j, u, v}) == 0)
+                verdict.fault = "side unknown off a rim";
         } else if (inside) {
             const Side side = dot(offset, n) > 0 ? Side::below : Side::above;
             if (length(offset) > 100 * allowed && found.side != side && !near_rim(q)) verdict.fault = "side";
@@ -206,7 +219,8 @@ private:
     }
     /// Whether rounding may put the query on a patch.
     [[nodiscard]] bool near_rim(const Point& q) const {
-        const Wide slack = 4 * static_cast<Wide>(epsilon<T>) * (std::abs(q.x) / surface_.dx() + std::abs(q.y) / surface_.dy() + 1);
+        const Wide slack = 4 * static_cast<Wide>(epsilon<T>) *
+                           (std::abs(q.x) / surface_.dx() + std::abs(q.y) / surface_.dy() + 1);
         return surface_.under(q.x, q.y, slack).has_value();
     }
 

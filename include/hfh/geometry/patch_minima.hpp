@@ -49,7 +49,8 @@ struct RelativePatch {
 
     /// No point of the patch lies nearer than this, squared: the distance of the box that holds it.
     [[nodiscard]] double box_squared() const noexcept {
-        const double off_x = glm::max(glm::max(x, -(x + dx)), 0.0), off_y = glm::max(glm::max(y, -(y + dy)), 0.0),
+        const double off_x = glm::max(glm::max(x, -(x + dx)), 0.0),
+                     off_y = glm::max(glm::max(y, -(y + dy)), 0.0),
                      off_z = glm::max(glm::max(lowest(), -highest()), 0.0);
         return off_x * off_x + off_y * off_y + off_z * off_z;
     }
@@ -68,19 +69,28 @@ struct RelativePatch {
     [[nodiscard]] CellPoint<double> query() const noexcept { return {-x / dx, -y / dy, 0}; }
 };
 
-/// Puts the closest points of the four edges, which are straight, in place of `best` if they are nearer.
-inline void offer_edges(const RelativePatch& p, RelativePatch::Foot& best) noexcept {
+/// Where distances are equal but for roundings, a point inside is the minimum rather than one of an edge, and one of an edge
+/// rather than a corner: a distance is level about its minimum, and does not tell its place better than to half the digits.
+inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
+
+/// The closest point of the four edges, which are straight.
+[[nodiscard]] inline RelativePatch::Foot closest_on_edges(const RelativePatch& p) noexcept {
+    RelativePatch::Foot best{.squared = std::numeric_limits<double>::infinity()};
+    double smallest = best.squared;
     const auto along = [](double start, double rise, double z, double climb) {
         return glm::clamp(-(start * rise + z * climb) / (rise * rise + climb * climb), 0.0, 1.0);
     };
     const auto offer = [&](double u, double v) {
         const auto foot = p.foot(u, v);
-        if (foot.squared < best.squared) best = foot;
+        const bool corner = (u == 0 || u == 1) && (v == 0 || v == 1);
+        const double squared = corner ? foot.squared * nearly_equal : foot.squared;
+        if (squared < smallest) smallest = squared, best = foot;
     };
     offer(along(p.x, p.dx, p.z00, p.z10 - p.z00), 0);
     offer(along(p.x, p.dx, p.z01, p.z11 - p.z01), 1);
     offer(0, along(p.y, p.dy, p.z00, p.z01 - p.z00));
     offer(1, along(p.y, p.dy, p.z10, p.z11 - p.z10));
+    return best;
 }
 
 /// The stationary point with |t| < 1 of the unbounded patch, which is the closest point of that, if it is in the cell. There
@@ -97,8 +107,8 @@ inline void offer_edges(const RelativePatch& p, RelativePatch::Foot& best) noexc
     const double uq = -patch.x * per_x, vq = -patch.y * per_y;
     const double G = patch.slope_u(vq) * per_x, K = patch.slope_v(uq) * per_y;
     const double m = patch.twist() * per_x * per_y;
-    const double z0 = (1 - vq) * ((1 - uq) * patch.z00 + uq * patch.z10) +
-                      vq * ((1 - uq) * patch.z01 + uq * patch.z11);
+    const double z0 =
+        (1 - vq) * ((1 - uq) * patch.z00 + uq * patch.z10) + vq * ((1 - uq) * patch.z01 + uq * patch.z11);
     RelativePatch::Foot none{.squared = std::numeric_limits<double>::infinity()};
     double low = 0, high = z0; // ψ has the sign of z₀ at low, and not at high
     if (std::abs(z0 * m) >= 1) high = std::copysign(1 / std::abs(m), z0);
@@ -164,23 +174,20 @@ private:
     return (at.u <= 0 && fu < 0) || (at.u >= 1 && fu > 0) || (at.v <= 0 && fv < 0) || (at.v >= 1 && fv > 0);
 }
 
-/// The closest point of a closed patch if it is nearer than `best`, which it then replaces. Seldom more than the four edges;
-/// where no certificate holds, the search of `global_closest_point`.
-inline void improve(const RelativePatch& p, RelativePatch::Foot& best) noexcept {
-    RelativePatch::Foot edge{.squared = std::numeric_limits<double>::infinity()};
-    offer_edges(p, edge);
+/// The closest point of a closed patch. Seldom more than the four edges; where no certificate holds, the search of
+/// `global_closest_point`.
+[[nodiscard]] inline RelativePatch::Foot closest_of_patch(const RelativePatch& p) noexcept {
+    const auto edge = closest_on_edges(p);
     const PatchShape shape{p};
-    const bool on_edge = shape.has_minima_on_edges_only() ||
-                         (shape.certifies(edge.offset.z) && !leads_inward(p, edge));
-    if (!on_edge) {
-        auto inside = shape.resolved() ? secular_foot(p) : RelativePatch::Foot{.squared = -1};
-        if (!shape.resolved() || !(inside.squared < std::numeric_limits<double>::infinity())) {
-            const auto found = global_closest_point(p.patch(), p.query());
-            inside = p.foot(found.u, found.v);
-        }
-        if (inside.squared < edge.squared) edge = inside;
+    if (shape.has_minima_on_edges_only()) return edge;
+    if (shape.certifies(edge.offset.z) && !leads_inward(p, edge)) return edge;
+    if (shape.resolved()) {
+        const auto inside = secular_foot(p);
+        if (inside.squared < std::numeric_limits<double>::infinity()) return inside;
     }
-    if (edge.squared < best.squared) best = edge;
+    const auto found = global_closest_point(p.patch(), p.query());
+    const auto foot = p.foot(found.u, found.v);
+    return foot.squared <= edge.squared * nearly_equal ? foot : edge;
 }
 
 /// Collects local closest points of one patch, each once.
@@ -222,7 +229,8 @@ template <class Visitor>
     const ReducedDistance reduced{distance};
     const auto offer = [&](double v, double apart) {
         const double s = distance.slope_u(v);
-        const double u = (distance.dx2 * distance.query_u - distance.gap(0.0, v) * s) / (distance.dx2 + s * s);
+        const double u =
+            (distance.dx2 * distance.query_u - distance.gap(0.0, v) * s) / (distance.dx2 + s * s);
         return !(0 < u && u < 1 && 0 < v && v < 1) || minima.offer(u, v, apart);
     };
     constexpr int deepest = 40;
@@ -232,10 +240,13 @@ template <class Visitor>
         if (++intervals > GlobalClosestPoint<double>::max_intervals) return MinimaEnd::cut_short;
         const Interval piece = pieces[--count];
         const auto bounds = reduced.bounds(piece);
-        if (2 * bounds.lowest > reach_squared || !bounds.first.contains(0) || bounds.second.high < 0) continue;
+        if (2 * bounds.lowest > reach_squared || !bounds.first.contains(0) || bounds.second.high < 0)
+            continue;
         const double width = piece.high - piece.low, middle = (piece.low + piece.high) / 2;
         if (bounds.second.low > 0) {
-            if (!offer(reduced.root(piece), 1e-7)) return MinimaEnd::stopped;
+            // The bounds may hold a zero that φ' has not; neighbouring pieces compute φ' alike at their common end.
+            const bool has_root = reduced.slope(piece.low).first <= 0 && reduced.slope(piece.high).first >= 0;
+            if (has_root && !offer(reduced.root(piece), 1e-7)) return MinimaEnd::stopped;
             continue;
         }
         // Over a piece this short, or this level, F is the same to the last bits.
@@ -255,11 +266,11 @@ template <class Visitor>
 /// the patch by more than the rounding of its derivative, so none is left out, and one may be too many that is level to
 /// first order. `cut_short`: the search for those inside took too many intervals, and the list may lack some.
 template <class Visitor>
-[[nodiscard]] MinimaEnd visit_minima(const RelativePatch& patch, double reach_squared, Visitor&& visit) noexcept {
+[[nodiscard]] MinimaEnd visit_minima(const RelativePatch& patch, double reach_squared,
+                                     Visitor&& visit) noexcept {
     const PatchShape shape{patch};
     if (shape.has_one_minimum()) {
-        RelativePatch::Foot foot{.squared = std::numeric_limits<double>::infinity()};
-        improve(patch, foot);
+        const auto foot = closest_of_patch(patch);
         return !(foot.squared <= reach_squared) || visit(foot) ? MinimaEnd::complete : MinimaEnd::stopped;
     }
     MinimaOfPatch minima{patch, reach_squared, visit};

@@ -41,12 +41,12 @@ struct NearestPoint {
     /// Of the query: that on which it is of the patch over or under it; where there is none, of the nearest point's normal;
     /// `none` where the nearest point is on a rim and no patch lies over or under the query. On the surface: above.
     Side side = Side::none;
-    SurfacePoint<T> point{};   ///< the cell, and where in it
-    vec3<T> position{T(0)};    ///< of that point, in metres
-    vec3<T> offset{T(0)};      ///< surface point − query, in metres; not rounded to the size of the coordinates
-    vec3<T> normal{0, 0, 1};   ///< unit, upward; where patches meet, as in `SurfaceSample`
+    SurfacePoint<T> point{}; ///< the cell, and where in it
+    vec3<T> position{T(0)};  ///< of that point, in metres
+    vec3<T> offset{T(0)}; ///< surface point − query, in metres; not rounded to the size of the coordinates
+    vec3<T> normal{0, 0, 1}; ///< unit, upward; where patches meet, as in `SurfaceSample`
     T distance = std::numeric_limits<T>::infinity(); ///< metres, never below 0
-    Index work = 0;            ///< cells and blocks looked at
+    Index work = 0;                                  ///< cells and blocks looked at
 
     [[nodiscard]] bool has_point() const noexcept { return is_finite(distance); }
     /// Above 0 over the surface, below 0 under it; none where a rim leaves no side, or no point was found.
@@ -123,7 +123,8 @@ nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
     }
     if (field.cells().empty()) return result;
 
-    detail::ReachSearch<Field> search{field, query, detail::square_of_reach(options.max_distance), options.max_work};
+    detail::ReachSearch<Field> search{field, query, detail::square_of_reach(options.max_distance),
+                                      options.max_work};
     RelativePatch::Foot best{.squared = search.reach_squared()};
     RelativePatch nearest;
     Cell cell = search.base();
@@ -136,7 +137,8 @@ nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
             result.side = nearest.foot(at.u, at.v).offset.z > 0 ? Side::below : Side::above;
             foot = detail::secular_foot(nearest);
         }
-        if (!(foot.squared < std::numeric_limits<double>::infinity())) detail::improve(nearest, foot);
+        if (!(foot.squared < std::numeric_limits<double>::infinity()))
+            foot = detail::closest_of_patch(nearest);
         found = foot.squared < best.squared;
         if (found) best = foot;
     }
@@ -145,9 +147,9 @@ nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
     if (search.reaches_out()) {
         complete = search.run([&](Cell where, const RelativePatch& patch) {
             if (found && patch.is_beyond(best)) return true;
-            const double before = best.squared;
-            detail::improve(patch, best);
-            if (!(best.squared < before)) return true;
+            const auto foot = detail::closest_of_patch(patch);
+            if (!(foot.squared < best.squared)) return true;
+            best = foot;
             cell = where;
             nearest = patch;
             found = true;

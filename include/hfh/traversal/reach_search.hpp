@@ -23,8 +23,8 @@ public:
     ReachSearch(const Field& field, const vec3<T>& query, double reach_squared, Index max_work) noexcept
         : field_{field}, cells_{field.cells()}, reach_squared_{reach_squared}, work_left_{max_work} {
         const Lattice& lattice = field.lattice();
-        const auto place = [](double x, double origin, double spacing, double per_metre, Index begin, Index end,
-                              Index& cell) {
+        const auto place = [](double x, double origin, double spacing, double per_metre, Index begin,
+                              Index end, Index& cell) {
             const double offset = x - origin;
             const double number = glm::clamp(std::floor(offset * per_metre), static_cast<double>(begin),
                                              static_cast<double>(end - 1));
@@ -108,9 +108,15 @@ private:
                 base_.i + static_cast<Index>(glm::clamp(to, first, last))};
     }
 
+    /// Whether another cell or block may be looked at.
+    [[nodiscard]] bool spend() noexcept {
+        if (work_left_ <= 0) return false;
+        --work_left_;
+        return true;
+    }
     template <class Visitor>
     [[nodiscard, gnu::always_inline]] bool look_at(Cell cell, Visitor& visit) noexcept {
-        if (--work_left_ < 0) return false;
+        if (!spend()) return false;
         RelativePatch seen;
         if (!read(cell, seen) || !(seen.box_squared() < reach_squared_)) return true;
         return visit(cell, seen);
@@ -205,7 +211,8 @@ private:
             const int bits = Field::block_bits + 2 * level;
             begin = {i.begin >> bits, j.begin >> bits};
             end = {((i.end - 1) >> bits) + 1, ((j.end - 1) >> bits) + 1};
-            if (level + 1 == field_.levels() || (end.i - begin.i) * (end.j - begin.j) <= most_first) return level;
+            if (level + 1 == field_.levels() || (end.i - begin.i) * (end.j - begin.j) <= most_first)
+                return level;
         }
     }
     /// Looks at blocks of a level and keeps those within reach on the stack, the nearest on top.
@@ -213,7 +220,7 @@ private:
         const int bottom = count;
         for (Index J = begin.j; J < end.j; ++J) {
             for (Index I = begin.i; I < end.i; ++I) {
-                if (--work_left_ < 0) return false;
+                if (!spend()) return false;
                 const Entry e = entry(level, {I, J});
                 if (!(e.squared < reach_squared_)) continue;
                 int at = count++;

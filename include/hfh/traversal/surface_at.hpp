@@ -21,9 +21,11 @@ namespace hfh {
 template <Real T>
 struct SurfaceSample {
     SurfacePoint<T> point{};
-    T height{};              ///< metres
-    vec3<T> normal{0, 0, 1}; ///< unit, upward; where patches meet, the mean of theirs, weighted by the angles that they fill
-    bool on_rim = false;     ///< a cell that meets at the point has no patch
+    T height{}; ///< metres
+    vec3<T> normal{
+        0, 0,
+        1}; ///< unit, upward; where patches meet, the mean of theirs, weighted by the angles that they fill
+    bool on_rim = false; ///< a cell that meets at the point has no patch
 };
 
 /// Height and normal of the surface over (x, y), in metres; empty where there is none.
@@ -94,7 +96,8 @@ struct PlaceInCells {
 } // namespace detail
 
 template <HeightField Field, Real U>
-std::optional<SurfaceSample<typename Field::Scalar>> surface_at(const Field& field, const vec2<U>& at) noexcept {
+std::optional<SurfaceSample<typename Field::Scalar>> surface_at(const Field& field,
+                                                                const vec2<U>& at) noexcept {
     using T = typename Field::Scalar;
     const glm::dvec2 place{widen(at.x), widen(at.y)};
     std::optional<SurfaceSample<T>> result;
@@ -123,9 +126,10 @@ std::optional<SurfaceSample<typename Field::Scalar>> surface_at(const Field& fie
             } else {
                 mean.normal = patch.normal(point.u, point.v);
             }
-            result.emplace(SurfaceSample<T>{
-                {point.cell, static_cast<T>(point.u), static_cast<T>(point.v)},
-                static_cast<T>(patch.height(point.u, point.v)), vec3<T>{mean.normal}, mean.on_rim});
+            result.emplace(SurfaceSample<T>{{point.cell, static_cast<T>(point.u), static_cast<T>(point.v)},
+                                            static_cast<T>(patch.height(point.u, point.v)),
+                                            vec3<T>{mean.normal},
+                                            mean.on_rim});
             return result;
         }
     }
