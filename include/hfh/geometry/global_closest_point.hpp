@@ -18,6 +18,15 @@ enum class GlobalStatus : unsigned char {
     interval_limit ///< the search was cut short after `GlobalClosestPoint::max_intervals`; the best found so far
 };
 
+[[nodiscard]] constexpr const char* to_string(GlobalStatus status) noexcept {
+    switch (status) {
+    case GlobalStatus::certified: return "certified";
+    case GlobalStatus::searched: return "searched";
+    case GlobalStatus::interval_limit: return "interval_limit";
+    }
+    return "unknown";
+}
+
 template <Real T>
 struct GlobalClosestPoint {
     static constexpr int max_intervals = 1000;

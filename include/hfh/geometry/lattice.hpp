@@ -17,7 +17,7 @@ namespace detail {
 /// of type I can be numbered. The sums of the algorithms need four times as much and a little more.
 template <std::signed_integral I>
 [[nodiscard]] constexpr I farthest_cell() noexcept {
-    constexpr I countable = std::numeric_limits<I>::max() / 4 - 1024;
+    constexpr I countable = (std::numeric_limits<I>::max)() / 4 - 1024;
     if constexpr (std::numeric_limits<I>::digits > 53) {
         constexpr I exact = (I{1} << 51) - 1;
         return countable < exact ? countable : exact;
@@ -48,8 +48,8 @@ struct CellRange {
     /// For a field that has no border (a formula): 2⁵¹ cells to every side, where an Index has 32 bits 5·10⁸. That is
     /// 5000 km of cells of a centimetre.
     [[nodiscard]] static constexpr CellRange endless() noexcept {
-        constexpr Index far = detail::farthest_cell<Index>();
-        return {{-far, -far}, {far, far}};
+        constexpr Index farthest = detail::farthest_cell<Index>();
+        return {{-farthest, -farthest}, {farthest, farthest}};
     }
 };
 
@@ -124,9 +124,9 @@ public:
     /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
-        constexpr double far = static_cast<double>(CellRange::endless().end.i);
+        constexpr double farthest = static_cast<double>(CellRange::endless().end.i);
         const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
-        return -far < u && u < far && -far < v && v < far;
+        return -farthest < u && u < farthest && -farthest < v && v < farthest;
     }
 
 private:

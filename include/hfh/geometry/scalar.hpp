@@ -1,6 +1,11 @@
 #ifndef HFH_GEOMETRY_SCALAR_HPP
 #define HFH_GEOMETRY_SCALAR_HPP
 
+#if defined(_MSVC_LANG) ? _MSVC_LANG < 202002L : __cplusplus < 202002L
+#error "hfh needs C++20: compile with -std=c++20 (MSVC: /std:c++20) or newer"
+#include <hfh/needs_cpp20> // There is no such file, so the compiler stops here and adds no errors that follow from this.
+#endif
+
 #include <glm/ext/vector_double2.hpp>
 #include <glm/ext/vector_double3.hpp>
 #include <glm/ext/vector_float2.hpp>
