@@ -92,8 +92,9 @@ class Lattice {
 public:
     constexpr Lattice() noexcept = default;
 
-    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`).
-    constexpr Lattice(glm::dvec2 origin, glm::dvec2 spacing) noexcept
+    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`). As every
+    /// function marked GLM_CONSTEXPR, constexpr where GLM's vectors are, which is everywhere but under GLM_FORCE_INTRINSICS.
+    GLM_CONSTEXPR Lattice(glm::dvec2 origin, glm::dvec2 spacing) noexcept
         : origin_{origin}, spacing_{spacing}, per_metre_{1.0 / spacing.x, 1.0 / spacing.y} {}
 
     [[nodiscard]] constexpr glm::dvec2 origin() const noexcept { return origin_; }

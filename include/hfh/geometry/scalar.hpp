@@ -154,10 +154,14 @@ template <Real T>
     }
     return static_cast<double>(x);
 }
-[[nodiscard]] constexpr glm::dvec3 widen(const vec3<float>& p) noexcept {
+template <std::same_as<float> T>
+[[nodiscard]] constexpr glm::dvec3 widen(const vec3<T>& p) noexcept {
     return {widen(p.x), widen(p.y), widen(p.z)};
 }
-[[nodiscard]] constexpr const glm::dvec3& widen(const vec3<double>& p) noexcept { return p; }
+template <std::same_as<double> T>
+[[nodiscard]] constexpr const vec3<T>& widen(const vec3<T>& p) noexcept {
+    return p;
+}
 
 } // namespace hfh
 
