@@ -67,7 +67,7 @@ void stroke(const Field& field, hfh::SurfaceKind surface, const char* what) {
     Digest digest;
     Sequence random;
     int touching = 0;
-    for (int k = 0; k < 4000; ++k) {
+    for (int k = 0; k < 2000; ++k) {
         const double t = k * 0.001;
         hfh::DeviceSample sample;
         sample.time = t;
@@ -85,7 +85,7 @@ void stroke(const Field& field, hfh::SurfaceKind surface, const char* what) {
         digest.add(asked.newtons);
         digest.add(sent.newtons);
     }
-    std::printf("%s: %d of 4000 updates in contact, %016llx\n", what, touching, digest.value());
+    std::printf("%s: %d of 2000 updates in contact, %016llx\n", what, touching, digest.value());
 }
 
 template <hfh::Real T>

@@ -17,7 +17,7 @@ namespace detail {
 /// of type I can be numbered. The sums of the algorithms need four times as much and a little more.
 template <std::signed_integral I>
 [[nodiscard]] constexpr I farthest_cell() noexcept {
-    constexpr I countable = (std::numeric_limits<I>::max)() / 4 - 1024;
+    constexpr I countable = std::numeric_limits<I>::max() / 4 - 1024;
     if constexpr (std::numeric_limits<I>::digits > 53) {
         constexpr I exact = (I{1} << 51) - 1;
         return countable < exact ? countable : exact;

@@ -6,6 +6,7 @@
 #include <hfh/needs_cpp20> // There is no such file, so the compiler stops here and adds no errors that follow from this.
 #endif
 
+#include <glm/common.hpp> // also undefines the macros min and max of <windows.h>
 #include <glm/ext/vector_double2.hpp>
 #include <glm/ext/vector_double3.hpp>
 #include <glm/ext/vector_float2.hpp>
