@@ -455,10 +455,13 @@ bool ProxyTracker<Field>::has_surface_over(const vec3<Scalar>& stylus) const noe
     const Lattice& lattice = field_->lattice();
     const glm::dvec3 at = widen(stylus);
     const double u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
-    // On a grid line cells on both sides are over it; beside a hole one of them has no patch.
-    const auto last = Cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
-    const Cell first{last.i - (u == static_cast<double>(last.i)),
-                     last.j - (v == static_cast<double>(last.j))};
+    // On a grid line, but for the rounding of u and v, cells on both sides are over it; beside a hole one of them has no patch.
+    const auto rounding_of = [](double w) { return 4 * epsilon<double> * (1 + std::abs(w)); };
+    const auto cell_of = [](double column, double row) {
+        return Cell{static_cast<Index>(std::floor(column)), static_cast<Index>(std::floor(row))};
+    };
+    const Cell first = cell_of(u - rounding_of(u), v - rounding_of(v)),
+               last = cell_of(u + rounding_of(u), v + rounding_of(v));
     for (Index j = first.j; j <= last.j; ++j) {
         for (Index i = first.i; i <= last.i; ++i) {
             const auto found = field_->patch({i, j});
