@@ -153,7 +153,7 @@ private:
     /// The proxy is on the face that was hit.
     void enter_face(const FirstHit<Scalar>& hit, Phase phase) noexcept;
     /// After a search from a released minimum that came to no other face: free, or, if it was cut short and the stylus has the
-    /// surface over it, still in contact. Inlined, so that what GCC 12 makes of an update does not depend on what else was
+    /// surface over it, still in contact, unless there is no patch at that minimum any more. Inlined, so that what GCC 12 makes of an update does not depend on what else was
     /// included before.
     [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus,
                                                                   const FirstHit<Scalar>& hit,
@@ -409,7 +409,8 @@ inline auto ProxyTracker<Field>::end_release(const vec3<Scalar>& stylus, const F
                                              const DescentResult<Scalar>& found, int patches) noexcept
     -> Contact<Scalar> {
     if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
-    if (!has_surface_over(stylus)) return keep_searching(hit.side, stylus, patches);
+    const bool edited_away = found.status == DescentStatus::off_hole;
+    if (edited_away || !has_surface_over(stylus)) return keep_searching(hit.side, stylus, patches);
     return make_contact(stylus, found, ContactStatus::descent_limit, true, patches);
 }
 
