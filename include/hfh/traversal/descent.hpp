@@ -22,6 +22,16 @@ enum class DescentStatus : unsigned char {
     work_limit ///< `max_patches` were looked at (or Newton's iterations ran out); still no farther than the start
 };
 
+[[nodiscard]] constexpr const char* to_string(DescentStatus status) noexcept {
+    switch (status) {
+    case DescentStatus::minimum: return "minimum";
+    case DescentStatus::off_border: return "off_border";
+    case DescentStatus::off_hole: return "off_hole";
+    case DescentStatus::work_limit: return "work_limit";
+    }
+    return "unknown";
+}
+
 /// Visits to a border without coming nearer to the query, and where they began.
 struct Stalls {
     unsigned char count = 0;
