@@ -210,7 +210,7 @@ private:
         twin.restore(now_.state);
         Unlimited found;
         // On cliffs Newton's method takes more steps than an update has.
-        for (int n = 0; n < 3 || (is_on_its_way(found.contact) && n < 100); ++n) {
+        for (int n = 0; n < 3 || (judges_rest && is_on_its_way(found.contact) && n < 100); ++n) {
             found.contact = twin.update(stylus);
             found.patches += found.contact.patches;
         }
