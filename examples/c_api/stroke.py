@@ -27,7 +27,7 @@ assert hfh.hfh_stylus_create(field, c.byref(Stylus()), c.byref(stylus)) == 0
 
 rows = []
 for k in range(4000):  # down, along, up: four seconds at 1 kHz
-    x, z = 0.02 + 0.04e-3 * k, 0.02 - 0.02 * math.sin(math.pi * k / 4000)
+    x, z = 0.02 + 0.04e-3 * k, 0.02 - 0.022 * min(1, 2 * math.sin(math.pi * k / 4000))
     assert hfh.hfh_stylus_update(stylus, (c.c_double * 3)(x, 0.05, z), None, c.c_double(1e-3), c.byref(result)) == 0
     rows.append((x, z, *result.proxy[0:3:2], *result.force, result.touching, hfh.hfh_status_name(result.status).decode()))
 hfh.hfh_stylus_destroy(stylus)
