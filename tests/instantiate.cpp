@@ -20,6 +20,7 @@
 #include <hfh/simulation/end_stops.hpp>
 #include <hfh/simulation/simulated_device.hpp>
 #include <hfh/terrain/blended_field.hpp>
+#include <hfh/terrain/bridged_field.hpp>
 #include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
@@ -70,6 +71,8 @@ template class TripleBuffer<DeviceSample>;
     template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
     template class ExtendedField<BilinearGrid<float, HeightView<S>>>;                                        \
     template class ExtendedField<BilinearGrid<double, HeightView<S>>>;                                       \
+    template class BridgedField<BilinearGrid<float, HeightView<S>>>;                                         \
+    template class BridgedField<BilinearGrid<double, HeightView<S>>>;                                        \
     template class DilatedField<BilinearGrid<float, HeightView<S>>>;                                         \
     template class DilatedField<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
