@@ -157,7 +157,9 @@ TEST_CASE("nearest_point: beside a slope that faces it a query has the side of t
           "[nearest_point]") {
     // Beside the rim of ground that falls towards it, the nearest point is inside the slope.
     const auto ground = tilted_plane<double>(20, 20, 1, 0);
-    XX CHECK(above.side == Side::above);
+    const auto above = nearest_point(ground.grid(), {-1, 10.5, 3.5}),
+               below = nearest_point(ground.grid(), {20, 10.5, 16.5});
+    CHECK(above.side == Side::above);
     CHECK_FALSE(on_border(above.point));
     CHECK_FALSE(on_border(below.point));
     CHECK(below.side == Side::below);
