@@ -11,38 +11,38 @@ import re
 import shutil
 import sys
 
-# In the order of the site. What stands behind the first page is a page below it, and so on by indentation.
+# In the order of the site. What is indented is a page below the one before.
 PAGES = """
 include/hfh/pages/index.md
-    include/hfh/pages/concepts.md
-    examples/tutorial/README.md
-    include/hfh/pages/recipes.md
-    include/hfh/pages/hosts.md
-    include/hfh/pages/accuracy_and_speed.md
-    include/hfh/pages/safety.md
-    include/hfh/pages/faq.md
-    include/hfh/README.md
-    include/hfh/pages/more.md
-        README.md
-        examples/touch_terrain/README.md
-        examples/viewer/README.md
-        examples/large_terrain/README.md
-        examples/phantom/README.md
-        examples/polled/README.md
-        examples/data/README.md
-        bench/README.md
-        bench/results/README.md
-        bench/results/accuracy.md
-        bench/results/certify.md
-        bench/results/closed_loop.md
-        bench/results/fuzzing.md
-        bench/results/goals.md
-        bench/results/parts.md
-        bench/results/updates.md
-        bench/results/viewer.md
-        .github/CHANGELOG.md
-        .github/CONTRIBUTING.md
-        .github/SECURITY.md
+include/hfh/pages/concepts.md
+examples/tutorial/README.md
+include/hfh/pages/recipes.md
+include/hfh/pages/hosts.md
+include/hfh/pages/accuracy_and_speed.md
+include/hfh/pages/safety.md
+include/hfh/pages/faq.md
+include/hfh/README.md
+include/hfh/pages/more.md
+    README.md
+    examples/touch_terrain/README.md
+    examples/viewer/README.md
+    examples/large_terrain/README.md
+    examples/phantom/README.md
+    examples/polled/README.md
+    examples/data/README.md
+    bench/README.md
+    bench/results/README.md
+    bench/results/accuracy.md
+    bench/results/certify.md
+    bench/results/closed_loop.md
+    bench/results/fuzzing.md
+    bench/results/goals.md
+    bench/results/parts.md
+    bench/results/updates.md
+    bench/results/viewer.md
+    .github/CHANGELOG.md
+    .github/CONTRIBUTING.md
+    .github/SECURITY.md
 """
 
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
@@ -102,7 +102,7 @@ class Site:
         for line in filter(str.strip, PAGES.split("\n")):
             depth = (len(line) - len(line.lstrip())) // 4
             above = above[:depth] + [line.strip()]
-            if depth:
+            if depth > 0:
                 self.parents[line.strip()] = above[depth - 1]
         self.faults = []
         self.below = set()  # pages that stand below another one already
