@@ -17,6 +17,7 @@ include/hfh/pages/index.md
 include/hfh/pages/concepts.md
 examples/tutorial/README.md
 include/hfh/pages/recipes.md
+    examples/recipes/README.md
 include/hfh/pages/hosts.md
 include/hfh/pages/accuracy_and_speed.md
 include/hfh/pages/safety.md
@@ -27,6 +28,8 @@ include/hfh/pages/more.md
     examples/touch_terrain/README.md
     examples/viewer/README.md
     examples/large_terrain/README.md
+    examples/chai3d/README.md
+    examples/microcontroller/README.md
     examples/phantom/README.md
     examples/polled/README.md
     examples/data/README.md
