@@ -147,7 +147,7 @@ void Viewer::draw_markers(const glm::ivec2& size) {
                          .newtons = hand_.force,
                          .touching = hand_.touching(),
                          .over_ground = hand_.over_ground,
-                         .pixel = static_cast<double>(layer_.pixels())},
+                         .pixel = std::max(static_cast<double>(layer_.pixels()), size.y / 900.0)},
                         camera_, size);
 }
 
@@ -195,6 +195,7 @@ void Viewer::draw_text(const glm::ivec2& size, double seconds) {
                          .message = message_,
                          .feet = settings_.feet,
                          .shows_hint = settings_.shows_hint,
+                         .in_a_hand = haptics_->is_in_a_hand(),
                          .shows_keys = settings_.shows_keys,
                          .lowest = displayed_->datum + static_cast<double>(tints_.x),
                          .highest = displayed_->datum + static_cast<double>(tints_.y),
