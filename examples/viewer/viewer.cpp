@@ -95,7 +95,7 @@ void Viewer::ask_for_levels() {
 /// The eye follows the height of the ground in the middle of the hand's workspace.
 void Viewer::look_at_middle(double share) {
     if (!levels_) return;
-    const auto height = levels_->height_near(glm::dvec2{hand_.offset} / displayed_->spacing, loader_.n());
+    const auto height = levels_->height_at(glm::dvec2{hand_.offset} / displayed_->spacing, loader_.n());
     if (!height) return;
     const double z = (displayed_->datum + static_cast<double>(*height) - hand_.offset.z) / hand_.scale;
     camera_.target.z += (z - camera_.target.z) * share;
