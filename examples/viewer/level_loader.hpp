@@ -28,9 +28,9 @@ struct LoadedLevels {
     std::uint64_t edit = 0;         ///< of `LevelRequest`
     std::uint64_t samples_read = 0; ///< total
 
-    /// The height of the vertex nearest to a place (samples), of the finest window that has it: m above the datum. Empty where
-    /// none has it, or it is a hole. n: vertices along a side of a window.
-    [[nodiscard]] std::optional<float> height_near(const glm::dvec2& at, int n) const noexcept;
+    /// The height at a place (samples), of the finest window that has it: m above the datum. Empty where none has it, or it is
+    /// a hole. n: vertices along a side of a window.
+    [[nodiscard]] std::optional<float> height_at(const glm::dvec2& at, int n) const noexcept;
 };
 
 /// What the display wants to be loaded.
@@ -45,8 +45,8 @@ struct LevelRequest {
 /// here and nowhere else.
 class LevelLoader {
 public:
-    /// `terrain` must outlive it. n: vertices along a side of a window, 4·m − 1.
-    LevelLoader(const DisplayedTerrain& terrain, int n);
+    /// `terrain` must outlive it. n: vertices along a side of a window, 4·m − 1. `coarsest_felt`: the coarsest level of the hand.
+    LevelLoader(const DisplayedTerrain& terrain, int n, int coarsest_felt);
     ~LevelLoader();
     LevelLoader(const LevelLoader&) = delete;
     LevelLoader& operator=(const LevelLoader&) = delete;
@@ -58,7 +58,7 @@ public:
     /// Waits until the last request has been met.
     void wait() const;
 
-    /// The coarsest level: the first one whose window holds all of the terrain.
+    /// The coarsest level: the first one whose window holds all of the terrain, or the coarsest that the hand can feel.
     [[nodiscard]] int coarsest() const noexcept { return coarsest_; }
     [[nodiscard]] int n() const noexcept { return n_; }
 

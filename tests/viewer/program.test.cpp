@@ -1,109 +1,10 @@
 #include "catch.hpp"
 
-#include "support/skip.hpp"
-
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-
-#include <csignal>
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "program.hpp"
 
 // The program itself, without a display and on one of its own.
 
-namespace {
-
-namespace fs = std::filesystem;
-
-std::string contents(const fs::path& file) {
-    std::ifstream in{file, std::ios::binary};
-    return {std::istreambuf_iterator<char>{in}, {}};
-}
-
-/// A folder of its own, gone afterwards.
-class Folder {
-public:
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "hfh-viewer-XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        root = name;
-    }
-    ~Folder() {
-        std::error_code none;
-        fs::remove_all(root, none);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    fs::path root;
-};
-
-struct Run {
-    int code = -1;
-    std::string out, err;
-};
-
-/// `before`: stands in front of the command, as for a shell.
-Run run(const Folder& folder, const std::string& arguments, const std::string& before = "") {
-    const fs::path out = folder.root / "out.txt", err = folder.root / "err.txt";
-    const std::string command = "cd '" + folder.root.string() + "' && " + before + " '" HFH_VIEWER "' " +
-                                arguments + " >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
-}
-
-bool is_one_sentence(const std::string& text) {
-    return std::ranges::count(text, '\n') == 1 && text.ends_with(".\n") && text.starts_with("hfh_viewer: ");
-}
-
-bool can_draw(const Run& made) {
-    if (made.code == 0) return true;
-    hfh::test::skip(made.err.substr(0, made.err.find('\n')));
-    return false;
-}
-
-/// A display that nobody looks at, ended with this.
-class Display {
-public:
-    Display() {
-        std::array<int, 2> told{};
-        if (::pipe(told.data()) != 0) return;
-        child_ = ::fork();
-        if (child_ == 0) {
-            const int nowhere = ::open("/dev/null", O_WRONLY);
-            ::dup2(nowhere, 2);
-            ::close(told[0]);
-            const std::string number = std::to_string(told[1]);
-            ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24", "-nolisten",
-                     "tcp", static_cast<char*>(nullptr));
-            ::_exit(127);
-        }
-        ::close(told[1]);
-        std::string number;
-        for (char c = 0; ::read(told[0], &c, 1) == 1 && c != '\n';) number += c;
-        ::close(told[0]);
-        if (!number.empty()) name = ":" + number;
-    }
-    ~Display() {
-        if (child_ <= 0) return;
-        ::kill(child_, SIGTERM);
-        ::waitpid(child_, nullptr, 0);
-    }
-    Display(const Display&) = delete;
-    Display& operator=(const Display&) = delete;
-    std::string name;
-
-private:
-    pid_t child_ = -1;
-};
-
-} // namespace
+using namespace viewer_tests;
 
 TEST_CASE("without a display the viewer says so in one sentence", "[program]") {
     const Folder folder;
@@ -124,6 +25,20 @@ TEST_CASE("the viewer refuses what it cannot do in one sentence", "[program]") {
         CHECK(is_one_sentence(made.err));
     }
     CHECK(run(folder, "--help").code == 0);
+}
+
+TEST_CASE("a Phantom is refused in one sentence where it cannot be", "[program]") {
+    const Folder folder;
+    for (const char* arguments : {"--device phantom --screenshot a.png", "--device phantom --path a.csv",
+#ifndef HFH_VIEWER_HAS_PHANTOM
+                                  "--device phantom"
+#endif
+         }) {
+        const Run made = run(folder, arguments);
+        INFO(arguments << ": " << made.err);
+        CHECK(made.code == 2);
+        CHECK(is_one_sentence(made.err));
+    }
 }
 
 TEST_CASE("an old context is refused in one sentence", "[program]") {
