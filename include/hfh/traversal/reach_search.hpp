@@ -218,10 +218,10 @@ private:
     /// Looks at blocks of a level and keeps those within reach on the stack, the nearest on top.
     [[nodiscard]] bool push(Entry* stack, int& count, int level, Block begin, Block end) noexcept {
         const int bottom = count;
-        for (Index J = begin.j; J < end.j; ++J) {
-            for (Index I = begin.i; I < end.i; ++I) {
+        for (Index j = begin.j; j < end.j; ++j) {
+            for (Index i = begin.i; i < end.i; ++i) {
                 if (!spend()) return false;
-                const Entry e = entry(level, {I, J});
+                const Entry e = entry(level, {i, j});
                 if (!(e.squared < reach_squared_)) continue;
                 int at = count++;
                 for (; at > bottom && stack[at - 1].squared < e.squared; --at) stack[at] = stack[at - 1];
