@@ -48,8 +48,8 @@ struct CellRange {
     /// For a field that has no border (a formula): 2⁵¹ cells to every side, where an Index has 32 bits 5·10⁸. That is
     /// 5000 km of cells of a centimetre.
     [[nodiscard]] static constexpr CellRange endless() noexcept {
-        constexpr Index far = detail::farthest_cell<Index>();
-        return {{-far, -far}, {far, far}};
+        constexpr Index farthest = detail::farthest_cell<Index>();
+        return {{-farthest, -farthest}, {farthest, farthest}};
     }
 };
 
@@ -92,8 +92,9 @@ class Lattice {
 public:
     constexpr Lattice() noexcept = default;
 
-    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`).
-    constexpr Lattice(glm::dvec2 origin, glm::dvec2 spacing) noexcept
+    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`). As every
+    /// function marked GLM_CONSTEXPR, constexpr where GLM's vectors are, which is everywhere but under GLM_FORCE_INTRINSICS.
+    GLM_CONSTEXPR Lattice(glm::dvec2 origin, glm::dvec2 spacing) noexcept
         : origin_{origin}, spacing_{spacing}, per_metre_{1.0 / spacing.x, 1.0 / spacing.y} {}
 
     [[nodiscard]] constexpr glm::dvec2 origin() const noexcept { return origin_; }
@@ -124,9 +125,9 @@ public:
     /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
-        constexpr double far = static_cast<double>(CellRange::endless().end.i);
+        constexpr double farthest = static_cast<double>(CellRange::endless().end.i);
         const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
-        return -far < u && u < far && -far < v && v < far;
+        return -farthest < u && u < farthest && -farthest < v && v < farthest;
     }
 
 private:
