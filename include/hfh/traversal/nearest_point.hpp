@@ -35,16 +35,6 @@ enum class NearestStatus : unsigned char {
     return "unknown";
 }
 
-[[nodiscard]] constexpr const char* to_string(NearestStatus status) noexcept {
-    switch (status) {
-    case NearestStatus::found: return "found";
-    case NearestStatus::none_within: return "none_within";
-    case NearestStatus::work_limit: return "work_limit";
-    case NearestStatus::bad_query: return "bad_query";
-    }
-    return "unknown";
-}
-
 template <Real T>
 struct NearestOptions {
     /// Metres, from 0 on; +∞ limits nothing. A point counts as within it if it misses it by roundings.
