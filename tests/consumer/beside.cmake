@@ -29,6 +29,7 @@ endfunction()
 
 hfh_add_answers(plain)
 hfh_add_answers(glm_intrinsics DEFINITIONS GLM_FORCE_INTRINSICS)
+# Aligned vectors as in GLM 0.9.9.8 and 1.0.1. Under 1.0.3 their dot product in float adds in another order.
 hfh_add_answers(glm_aligned DEFINITIONS GLM_FORCE_INTRINSICS GLM_FORCE_DEFAULT_ALIGNED_GENTYPES
     OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>) # GCC notes that it passed such vectors in another way up to 4.5
 hfh_add_answers(glm_options DEFINITIONS GLM_FORCE_CTOR_INIT GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_LEFT_HANDED
