@@ -136,6 +136,7 @@ struct NearestSoFar {
 };
 
 /// The closest point of the patch that is nearest in plan, and the side of a query over or under it; `none` beside it.
+template <Real T = double>
 [[nodiscard, gnu::always_inline]] inline RelativePatch::Foot closest_of_base(const RelativePatch& patch,
                                                                              Side& side) noexcept {
     const auto at = patch.query();
