@@ -136,6 +136,35 @@ int arrives(hfh::Index i) {
     return i == 3 ? needed + 15 : i == 5 ? needed + 1000 : needed - 100;
 }
 
+/// What reads tiles and what puts them into the ground. In a program, the first runs in a thread of its own, and frees what it
+/// finds in `gone`.
+class Loader {
+public:
+    /// By the loader's thread, each millisecond. False if a queue is full.
+    [[nodiscard]] bool load(int ms) {
+        for (hfh::Index i = 0; i < tiles_x; ++i) {
+            if (ms != std::max(0, arrives(i))) continue;
+            for (hfh::Index j = 0; j < tiles_y; ++j) {
+                loaded_.push_back(read_tile({i, j}));
+                if (!arrived_.push(loaded_.back().get())) return false;
+            }
+        }
+        return true;
+    }
+    /// By the haptic thread, between two updates. False if a queue is full.
+    [[nodiscard]] bool hand_over(TiledGround& ground) noexcept {
+        for (const Tile* tile = nullptr; arrived_.pop(tile);) {
+            const Tile* before = ground.put(tile->at, tile);
+            if (before && !gone_.push(before)) return false;
+        }
+        return true;
+    }
+
+private:
+    recipes::SingleQueue<const Tile*, 16> arrived_, gone_;
+    std::vector<std::unique_ptr<Tile>> loaded_;
+};
+
 } // namespace
 
 int main() {
@@ -143,22 +172,12 @@ int main() {
     TiledTouch touch{ground};
     const hfh::ForceEvaluator<double> force{.stiffness = 0.1}; // N/m of terrain
 
-    // In a program, the loader fills `arrived` and frees what it finds in `gone`, in its own thread.
-    recipes::SingleQueue<const Tile*, 16> arrived, gone;
-    std::vector<std::unique_ptr<Tile>> loaded;
-
+    Loader loader;
     double largest_step = 0, last = 0, felt_when_late = 0;
     int held = 0, without = 0;
     bool ramped_out = false, touches_again = false;
     for (int ms = 0; ms < 640 * 7; ++ms) {
-        for (hfh::Index i = 0; i < tiles_x; ++i) {
-            if (ms != std::max(0, arrives(i))) continue;
-            for (hfh::Index j = 0; j < tiles_y; ++j)
-                if (loaded.push_back(read_tile({i, j})); !arrived.push(loaded.back().get())) return 1;
-        }
-        for (const Tile* tile = nullptr; arrived.pop(tile);)
-            if (const Tile* before = ground.put(tile->at, tile); before && !gone.push(before)) return 1;
-
+        if (!loader.load(ms) || !loader.hand_over(ground)) return 1;
         const double x = 100 + ms; // a metre of terrain a millisecond
         const hfh::vec3<double> hand{x, 640.0, ms == 0 || ms == 4200 ? 40.0 /* lifted */ : -25.0};
         const auto felt = touch.update(hand, 0.001);

@@ -62,7 +62,9 @@ target_compile_options(hfh_under_macros PRIVATE ${hfh_strict} -O0)
 add_dependencies(check_beside hfh_under_macros)
 
 # All headers in one, and the consumer's program with that and nothing else.
-add_executable(hfh_consumer_amalgamated consumer/main.cpp)
+# By a source of the build tree's, for clang-tidy reads sources of the project before the header is made.
+file(CONFIGURE OUTPUT beside/amalgamated.cpp CONTENT "#include \"${CMAKE_CURRENT_SOURCE_DIR}/consumer/main.cpp\"\n" @ONLY)
+add_executable(hfh_consumer_amalgamated ${CMAKE_CURRENT_BINARY_DIR}/beside/amalgamated.cpp)
 add_dependencies(hfh_consumer_amalgamated amalgamated)
 target_include_directories(hfh_consumer_amalgamated PRIVATE ${hfh_amalgamated_dir})
 target_link_libraries(hfh_consumer_amalgamated PRIVATE glm::glm)
