@@ -136,8 +136,7 @@ int arrives(hfh::Index i) {
     return i == 3 ? needed + 15 : i == 5 ? needed + 1000 : needed - 100;
 }
 
-/// What reads tiles and what puts them into the ground. In a program, the first runs in a thread of its own, and frees what it
-/// finds in `gone`.
+/// What reads tiles and what puts them into the ground. In a program, `load` and `free` run in a thread of their own.
 class Loader {
 public:
     /// By the loader's thread, each millisecond. False if a queue is full.
@@ -151,11 +150,22 @@ public:
         }
         return true;
     }
-    /// By the haptic thread, between two updates. False if a queue is full.
-    [[nodiscard]] bool hand_over(TiledGround& ground) noexcept {
-        for (const Tile* tile = nullptr; arrived_.pop(tile);) {
-            const Tile* before = ground.put(tile->at, tile);
-            if (before && !gone_.push(before)) return false;
+    /// By the loader's thread: frees the tiles that are used no more. Returns how many.
+    std::size_t free() {
+        std::size_t freed = 0;
+        for (const Tile* tile = nullptr; gone_.pop(tile);)
+            freed += std::erase_if(loaded_, [&](const auto& one) { return one.get() == tile; });
+        return freed;
+    }
+
+    /// By the haptic thread, between two updates: takes in what has arrived, and takes out what lies two tiles behind a hand at
+    /// x metres. False if a queue is full.
+    [[nodiscard]] bool exchange(TiledGround& ground, double x) noexcept {
+        for (const Tile* tile = nullptr; arrived_.pop(tile);) (void)ground.put(tile->at, tile);
+        const auto behind = static_cast<hfh::Index>(x / (spacing * tile_cells)) - 2;
+        for (hfh::Index j = 0; j < tiles_y && behind >= 0; ++j) {
+            const Tile* tile = ground.put({behind, j}, nullptr);
+            if (tile && !gone_.push(tile)) return false;
         }
         return true;
     }
@@ -175,10 +185,12 @@ int main() {
     Loader loader;
     double largest_step = 0, last = 0, felt_when_late = 0;
     int held = 0, without = 0;
+    std::size_t freed = 0; // six columns of two, at the end
     bool ramped_out = false, touches_again = false;
     for (int ms = 0; ms < 640 * 7; ++ms) {
-        if (!loader.load(ms) || !loader.hand_over(ground)) return 1;
         const double x = 100 + ms; // a metre of terrain a millisecond
+        if (!loader.load(ms) || !loader.exchange(ground, x)) return 1;
+        freed += loader.free();
         const hfh::vec3<double> hand{x, 640.0, ms == 0 || ms == 4200 ? 40.0 /* lifted */ : -25.0};
         const auto felt = touch.update(hand, 0.001);
         const double newtons = felt.share * glm::length(force(felt.contact).newtons);
@@ -191,9 +203,9 @@ int main() {
         if (ms > 3500 && ms < 4100) felt_when_late = std::max(felt_when_late, newtons);
     }
     std::printf("late by 15 ms: contact lost in %d updates; late by a second: ramped out %s, then %.2f N;\n"
-                "largest step of the force %.3f N\n",
-                without, ramped_out ? "yes" : "no", felt_when_late, largest_step);
-    return without == 0 && ramped_out && held > 50 && felt_when_late == 0 && touches_again &&
+                "largest step of the force %.3f N; %zu tiles freed\n",
+                without, ramped_out ? "yes" : "no", felt_when_late, largest_step, freed);
+    return freed == 12 && without == 0 && ramped_out && held > 50 && felt_when_late == 0 && touches_again &&
                    largest_step < 0.5
                ? 0
                : 1;
