@@ -83,8 +83,9 @@ private:
         glm::dvec3 first{0.0};          ///< of first order: keeps all half-spaces
         detail::PolyhedronPoint held{}; ///< what holds the ball, if it touches
         bool touches = false;
-        glm::dvec3 crest{
-            0.0}; ///< where the distance is highest here: unit, along which it falls to both sides; else 0
+        /// Where the distance is highest here: directions, across each other, along which it falls to both sides.
+        glm::dvec3 crests[2]{glm::dvec3{0.0}, glm::dvec3{0.0}};
+        int crest_count = 0;
         bool arrived = false; ///< touches, and the step is below what can be resolved
     };
     /// How a try to make a move ended.
@@ -145,6 +146,9 @@ private:
     /// The step of second order where obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const Place& place, const glm::dvec3& way, Move& move) const noexcept;
     [[nodiscard]] MoveEnd make_move(Place& place, const glm::dvec3& to, const Move& move) const noexcept;
+    /// From where the distance is highest along a step: takes it, and goes on from there until the ball is nearer.
+    [[nodiscard]] bool leave_crest(Place& place, const glm::dvec3& to,
+                                   const glm::dvec3& aside) const noexcept;
     [[nodiscard]] MoveEnd try_step(Place& place, const glm::dvec3& to, const glm::dvec3& step) const noexcept;
     /// Moves the ball away from what it overlaps, and looks around there. False where it cannot.
     [[nodiscard]] bool push_clear(Place& place, glm::dvec3& centre, double margin) const noexcept;
@@ -341,7 +345,7 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
         if (place.centre == to) return end(set_free(stylus));
         const Move move = plan(place, to);
         touched = touched || move.touches;
-        if (move.arrived && move.crest == glm::dvec3{0.0})
+        if (move.arrived && move.crest_count == 0)
             return end(make_contact(place, move.held, ContactStatus::contact));
         if (step >= max_steps) return end(keep(stylus, place, touched));
         switch (make_move(place, to, move)) {
@@ -397,7 +401,7 @@ void BallTracker<Field>::plan_second_step(const Place& place, const glm::dvec3& 
         base = ((c * other.gap - face.gap) * n + (c * face.gap - other.gap) * other.normal) / det;
         const glm::dvec3 along = glm::normalize(glm::cross(n, other.normal));
         const double bend = glm::dot(along, hessian * along);
-        if (bend < -1e-6) move.crest = along;
+        if (bend < -1e-6) move.crests[move.crest_count++] = along;
         if (!(bend > flattest)) return;
         step = base + glm::dot(along, way - hessian * base) / bend * along;
     } else {
@@ -410,7 +414,9 @@ void BallTracker<Field>::plan_second_step(const Place& place, const glm::dvec3& 
             // The vector of the smaller bend.
             const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
             const double size = std::sqrt(x * x + y * y);
-            move.crest = size > 0 ? (x * a + y * b) / size : a;
+            const glm::dvec3 most = size > 0 ? (x * a + y * b) / size : a;
+            move.crests[move.crest_count++] = most;
+            if (mean + spread < -1e-6) move.crests[move.crest_count++] = glm::cross(n, most);
         }
         if (!(mean - spread > flattest)) return;
         const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
@@ -426,9 +432,11 @@ auto BallTracker<Field>::make_move(Place& place, const glm::dvec3& to, const Mov
     const double least = 1e-9 * glm::length(to - place.centre) + epsilon<double> * wide_radius();
     MoveEnd end = MoveEnd::no_nearer;
     if (move.arrived) {
-        const glm::dvec3 aside = wide_radius() / 16 * move.crest;
-        end = try_step(place, to, aside);
-        return end == MoveEnd::no_nearer ? try_step(place, to, -aside) : end;
+        for (int k = 0; k < move.crest_count; ++k) {
+            const glm::dvec3 aside = wide_radius() / 16 * move.crests[k];
+            if (leave_crest(place, to, aside) || leave_crest(place, to, -aside)) return MoveEnd::moved;
+        }
+        return MoveEnd::no_nearer;
     }
     end = try_step(place, to, move.second);
     if (end == MoveEnd::no_nearer && move.second != move.first) end = try_step(place, to, move.first);
@@ -441,6 +449,28 @@ auto BallTracker<Field>::make_move(Place& place, const glm::dvec3& to, const Mov
         end = try_step(place, to, step);
     }
     return end;
+}
+
+template <HeightField Field>
+bool BallTracker<Field>::leave_crest(Place& place, const glm::dvec3& to,
+                                     const glm::dvec3& aside) const noexcept {
+    const double size = glm::length(aside), before = glm::distance(place.centre, to);
+    Place trial = place;
+    glm::dvec3 next = place.centre + aside;
+    const double margin = 8 * size;
+    if (is_on_wrong_side(next) || !trial.ahead().look(next, wide_radius(), margin, trial.work) ||
+        !push_clear(trial, next, margin))
+        return false;
+    trial.move_to(next, size);
+    for (int step = 0; step < 4; ++step) {
+        const Move move = plan(trial, to);
+        if (move.arrived || try_step(trial, to, move.first) != MoveEnd::moved) return false;
+        if (glm::distance(trial.centre, to) < before * (1 - 1e-12)) {
+            place = trial;
+            return true;
+        }
+    }
+    return false;
 }
 
 template <HeightField Field>

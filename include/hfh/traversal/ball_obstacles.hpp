@@ -74,7 +74,7 @@ class BallObstacles {
 public:
     static constexpr int most = 40;
 
-    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{field}, surface_{surface} {}
+    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{&field}, surface_{surface} {}
 
     /// Looks around a ball of this radius: at every patch that comes within radius + margin of the centre. False, and none
     /// are known, if that would be more than `work` patches and blocks. Counts them.
@@ -112,7 +112,7 @@ public:
     /// `second_derivative` of an obstacle; zero for a plane.
     [[nodiscard]] glm::dmat3 turn(const glm::dvec3& centre, const BallObstacle& at) const noexcept {
         RelativePatch patch;
-        const ReachSearch<Field> search{field_, centre, 0, 0};
+        const ReachSearch<Field> search{*field_, centre, 0, 0};
         if (at.is_plane || !search.read(at.point.cell, patch)) return glm::dmat3{0.0};
         return second_derivative(patch, at);
     }
@@ -129,7 +129,7 @@ private:
     void keep(const BallObstacle& obstacle) noexcept;
     [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
 
-    const Field& field_;
+    const Field* field_;
     SurfaceKind surface_;
     double radius_ = 0;
     double margin_ = 0;
@@ -143,9 +143,9 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     count_ = 0;
     radius_ = radius;
     margin_ = margin;
-    if (field_.cells().empty()) return true;
+    if (field_->cells().empty()) return true;
     const auto reach_squared = [this] { return (radius_ + margin_) * (radius_ + margin_); };
-    ReachSearch<Field> search{field_, centre, reach_squared(), work};
+    ReachSearch<Field> search{*field_, centre, reach_squared(), work};
     bool complete = true;
     const auto look_at = [&](Cell cell, const RelativePatch& patch) {
         const auto end = visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
