@@ -307,20 +307,8 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const double length = glm::length(way);
     const bool farther = glm::dot(offset, offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
     if (!(share > 0) || farther || !(length <= 2 * detail::widest_margin(field(), radius))) return false;
-    Obstacles around{field(), options_.surface};
-    if (!around.look(centre, radius, length, work) || around.margin() < length) return false;
-    const double rounding = rounding_at(centre), near = radius * (1 - 1.0 / 64);
-    for (const auto& obstacle : around) {
-        const bool own =
-            obstacle.point.cell == foot.point.cell && glm::dot(obstacle.normal, normal) > 1 - 1e-6;
-        if (own) continue;
-        // How near it comes on the way there.
-        const glm::dvec3 to_point =
-            -(obstacle.is_plane ? obstacle.gap + radius : obstacle.distance) * obstacle.normal;
-        const double back = glm::clamp(-glm::dot(to_point, way) / (length * length), 0.0, 1.0);
-        const glm::dvec3 apart = to_point + (length > 0 ? back : 0.0) * way;
-        if (obstacle.gap < -rounding || glm::dot(apart, apart) < near * near) return false;
-    }
+    if (!detail::rolls_freely(field(), state_.centre, centre, to, normal, radius, rounding_at(centre), work))
+        return false;
     state_.centre = centre;
     state_.stylus = to;
     state_.foot = foot.point;
