@@ -278,13 +278,13 @@ template <HeightField Field>
                                 const glm::dvec3& target, const glm::dvec3& normal, double radius,
                                 double rounding, Index& work) noexcept {
     const glm::dvec3 back = from - to;
-    const double length_squared = glm::dot(back, back), reach = radius + std::sqrt(length_squared);
+    const double length_squared = glm::dot(back, back);
     const double clear = (radius - rounding) * (radius - rounding), touching = -radius * (1 - 1e-9);
     const double near = radius * radius * (63.0 / 64 * 63.0 / 64),
                  nearest = radius * radius * (7.0 / 8 * 7.0 / 8);
     const glm::dvec3 low = glm::min(back, 0.0), high = glm::max(back, 0.0);
-    ReachSearch<Field> search{field, to, reach * reach, work};
-    const auto is_clear_of = [&](Cell, const RelativePatch& patch) {
+    const ReachSearch<Field> search{field, to, 0, 0};
+    const auto is_clear_of = [&](const RelativePatch& patch) {
         // The box that holds it is a radius away from the box that holds the way.
         const double right = patch.x + patch.dx, up = patch.y + patch.dy;
         const double off_x = glm::max(glm::max(patch.x - high.x, low.x - right), 0.0),
@@ -307,13 +307,26 @@ template <HeightField Field>
         const glm::dvec3 out = glm::normalize(back - foot.offset), around = glm::dot(back, out) * out - back;
         return apart_squared >= nearest && glm::dot(from - target, around) <= 0;
     };
-    RelativePatch under;
-    const bool is_clear =
-        (!search.read(search.base(), under) || !(under.box_squared() < search.reach_squared()) ||
-         is_clear_of(search.base(), under)) &&
-        (!search.reaches_out() || search.run(is_clear_of));
-    work = search.work_left();
-    return is_clear;
+    // All cells under the box, one after the other: few, and mostly all of them are clear.
+    const CellRange cells = field.cells();
+    const glm::dvec2 per_metre = field.lattice().cells_per_metre();
+    RelativePatch patch;
+    const auto offset = [](double metres, double cells_per_metre) {
+        return static_cast<Index>(glm::clamp(std::floor(metres * cells_per_metre), -1e6, 1e6));
+    };
+    const glm::dvec2 corner = search.corner();
+    const Cell base = search.base();
+    const Cell begin{glm::max(base.i + offset(low.x - radius - corner.x, per_metre.x), cells.begin.i),
+                     glm::max(base.j + offset(low.y - radius - corner.y, per_metre.y), cells.begin.j)};
+    const Cell end{glm::min(base.i + offset(high.x + radius - corner.x, per_metre.x) + 1, cells.end.i),
+                   glm::min(base.j + offset(high.y + radius - corner.y, per_metre.y) + 1, cells.end.j)};
+    for (Index j = begin.j; j < end.j; ++j) {
+        for (Index i = begin.i; i < end.i; ++i) {
+            if (--work < 0) return false;
+            if (search.read({i, j}, patch) && !is_clear_of(patch)) return false;
+        }
+    }
+    return true;
 }
 
 } // namespace hfh::detail
