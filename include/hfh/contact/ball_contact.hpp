@@ -25,6 +25,7 @@ struct BallContact : Contact<T> {
 
     BallTouch<T> touches[max_touches]{}; ///< with a share above 0, the largest first
     int count = 0;                       ///< of `touches`; 0 without contact
+    T radius{};                          ///< of the ball, in metres
 };
 
 } // namespace hfh
