@@ -2,6 +2,7 @@
 #define HFH_CONTACT_BALL_TRACKER_HPP
 
 #include <hfh/contact/ball_contact.hpp>
+#include <hfh/contact/ball_touches.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/traversal/ball_slide.hpp>
 
@@ -178,6 +179,7 @@ auto BallTracker<Field>::update_point(const vec3<Scalar>& stylus) noexcept -> Ba
               .side = point.side,
               .phase = point.phase};
     if (contact.touching()) {
+        contact.centre = state_.centre;
         contact.touches[0] = {contact.point, contact.normal, contact.depth};
         contact.count = 1;
     }
@@ -256,6 +258,7 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     contact.status = ContactStatus::contact;
     contact.side = state_.side;
     contact.radius = radius_;
+    contact.centre = centre;
     contact.proxy = vec3<Scalar>{centre};
     contact.penetration = vec3<Scalar>{offset};
     contact.depth = glm::length(contact.penetration);
@@ -357,27 +360,13 @@ auto BallTracker<Field>::make_contact(const Slide& slide, ContactStatus status) 
     state_.side = slide.side();
     contact.status = status;
     contact.side = state_.side;
-    contact.proxy = vec3<Scalar>{slide.centre()};
+    contact.point = state_.foot;
+    detail::list_touches(slide, contact);
     contact.penetration = vec3<Scalar>{penetration};
     contact.depth = static_cast<Scalar>(depth);
     contact.radius = radius_;
     if (depth > 0) contact.normal = vec3<Scalar>{penetration / depth};
-    const auto& held = slide.held();
-    for (int k = 0; k < held.count; ++k) {
-        if (!(held.shares[k] > 0)) continue;
-        const detail::BallObstacle& obstacle = slide.around()[held.faces[k]];
-        const auto& point = obstacle.point;
-        const BallTouch<Scalar> touch{
-            {point.cell, static_cast<Scalar>(point.u), static_cast<Scalar>(point.v)},
-            vec3<Scalar>{obstacle.normal},
-            static_cast<Scalar>(held.shares[k])};
-        int at = contact.count++;
-        for (; at > 0 && contact.touches[at - 1].share < touch.share; --at)
-            contact.touches[at] = contact.touches[at - 1];
-        contact.touches[at] = touch;
-    }
-    if (contact.count > 0) state_.foot = contact.touches[0].point;
-    contact.point = state_.foot;
+    state_.foot = contact.point;
     state_.centre = slide.centre();
     state_.phase = Phase::contact;
     return contact;
