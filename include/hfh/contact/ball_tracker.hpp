@@ -61,8 +61,12 @@ public:
     /// `radius` in metres, ≥ 0 and below `longest`; anything else counts as 0.
     constexpr BallTracker(const Field& field, Scalar radius, const TrackerOptions& options = {}) noexcept
         : point_{field, options}, options_{options}, radius_{valid_radius(radius)} {}
-    BallTracker(const Field&&, Scalar,
-                const TrackerOptions& = {}) = delete; // the field must outlive the tracker
+    /// With radius 0, to be set later.
+    constexpr explicit BallTracker(const Field& field, const TrackerOptions& options = {}) noexcept
+        : BallTracker{field, Scalar(0), options} {}
+    // The field must outlive the tracker.
+    BallTracker(const Field&&, Scalar, const TrackerOptions& = {}) = delete;
+    explicit BallTracker(const Field&&, const TrackerOptions& = {}) = delete;
 
     /// One haptic update: the stylus is at `stylus` (world coordinates, metres). What `ProxyTracker` refuses is refused:
     /// status bad_input, state unchanged.
