@@ -320,9 +320,10 @@ auto BallSlide<Field>::try_step(const glm::dvec3& target, const glm::dvec3& step
     const glm::dvec3 rest = target - next;
     const double before = glm::dot(way, way), after = glm::dot(rest, rest);
     const bool falls = after < before * (1 - 4 * epsilon<double>);
-    // Nearer than the distance tells: the step gets shorter each time.
-    const bool settles = length * length <= 1e-12 * before && length < last_step_ / 2 &&
-                         after <= before * (1 + 4 * epsilon<double>);
+    // Nearer than the distance tells, which is no better than the place where the ball is clear: the step gets shorter each time.
+    const double rounding = 4 * epsilon<double> * before + 2 * std::sqrt(before) * rounding_at(next);
+    const bool settles =
+        length * length <= 1e-10 * before && length < last_step_ / 2 && after <= before + rounding;
     if (!falls && !settles) return MoveEnd::no_nearer;
     if (is_round_rim) ball_.side = side_of(*field_, next);
     move_to(next, length);
