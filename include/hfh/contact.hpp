@@ -3,6 +3,11 @@
 
 // Where a stylus in contact is felt: the proxy, friction, shading.
 
+#include <hfh/contact/ball_contact.hpp>
+#include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_shading.hpp>
+#include <hfh/contact/ball_touches.hpp>
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/contact.hpp>
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
