@@ -42,6 +42,7 @@ template <Real T>
 struct Contact {
     ContactStatus status = ContactStatus::free;
     Side side = Side::none; ///< in contact: the side from which the surface is felt; else where the stylus is
+    bool shaded = false;    ///< normal and penetration are those of shading (force_shading.hpp)
     int patches = 0;        ///< patches looked at in this update
     vec3<T> proxy{T(0)};    ///< the point that the user feels to be at: on the surface when in contact
     vec3<T> normal{0, 0, 1}; ///< unit, away from the surface on the side where it is felt; averaged over the
