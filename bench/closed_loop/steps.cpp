@@ -86,14 +86,14 @@ struct Kind {
 
 /// All ways over one ground, at `cells` an update.
 template <Real T>
-Ratios on_ground(const hfh::test::Terrain<T>& terrain, const Kind& kind, double cells, const Effort& effort,
+Ratios on_ground(const hfh::test::Terrain<T>& terrain, const Kind& kind, double cells, int paths,
                  Findings& findings) {
     Site<T> site{terrain, 14};
     Touching<T> touching{terrain, stiffness,
                          kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited, kind.options,
                          kind.feel};
     Ratios ratios;
-    for (int n = effort.counted(40); n > 0; --n) {
+    for (int n = paths; n > 0; --n) {
         const auto path = site.wander(kind.depth * kind.cell, cells * kind.cell, kind.cell, 500);
         if (kind.in_hand)
             in_hand(touching, path, ratios);
@@ -121,7 +121,7 @@ void friction_and_shading(const Effort& effort, Findings& findings) {
         Findings::Detail detail{
             text("ΔF/(k·Δhand) at 0.5 cells an update, 5 cells deep, %s: mean, 99 %%, largest", what), {}};
         for (const auto& ground : all) {
-            auto ratios = on_ground(ground.terrain, kind, 0.5, effort, findings);
+            auto ratios = on_ground(ground.terrain, kind, 0.5, effort.counted(40, 10), findings);
             const double mean = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
             detail.by_ground.push_back(text("%.2f, %.1f, %.0f", mean, at_99, top));
             if (ground.name == "kinect_boxes")
@@ -158,7 +158,7 @@ void steps(const Effort& effort, Findings& findings) {
             Findings::Detail detail{
                 text("ΔF/(k·Δhand) at %g cells an update, %s: mean, 99 %%, largest", cells, kind.name), {}};
             for (const auto& ground : all) {
-                auto ratios = on_ground(ground.terrain, kind, cells, effort, findings);
+                auto ratios = on_ground(ground.terrain, kind, cells, effort.counted(40), findings);
                 const double here = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
                 detail.by_ground.push_back(text("%.2f, %.1f, %.0f", here, at_99, top));
                 if (here > mean) mean = here, where = ground.name;
