@@ -8,6 +8,7 @@
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/friction_cone.hpp>
 #include <hfh/contact/level_change.hpp>
+#include <hfh/contact/proxy_glide.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 
 #endif // HFH_CONTACT_HPP

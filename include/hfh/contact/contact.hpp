@@ -12,7 +12,9 @@ namespace hfh {
 enum class ContactStatus : unsigned char {
     free,    ///< above the surface (sheet: on either side), or on it
     contact, ///< the stylus is inside the surface, and the proxy is the local closest point
-    descent_limit, ///< in contact, but slide or search used up their work, or the proxy glides; they go on at the next update
+    /// In contact, but slide or search used up their work, or the proxy glides (proxy_glide.hpp); they go on from here at the
+    /// next update.
+    descent_limit,
     sweep_limit, ///< free so far, but the search used up its work; it goes on from there at the next update
     buried, ///< solid: below the surface without having crossed it from above; no contact until it was outside
     off_surface,    ///< no patch above or below: outside the grid or over a hole

@@ -7,7 +7,6 @@
 
 #include <glm/geometric.hpp>
 
-#include <limits>
 #include <type_traits>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.2-4.3.3; the proxy is that of Ruspini, Kolarov and
@@ -26,12 +25,6 @@ struct TrackerOptions {
     /// some updates, and the force with it; on steep ground some updates then end on the way (`descent_limit`). The search
     /// that decides whether a stylus with the surface over it is free is no part of the slide: `max_patches` alone limits it.
     int max_contact_patches = 8192;
-    /// How fast a proxy glides that a ridge or a hollow has let go, in metres an update: in an update the proxy moves so far
-    /// on the surface, and as far again as the stylus moved, and the updates until it arrives end with `descent_limit`. So
-    /// the force changes by stiffness·(release_speed + 2·|stylus's move|) at most, however large the cells are; but a proxy
-    /// that comes to another face, on its straight way to the stylus, jumps there. ∞, a value that is not above 0 and NaN: at
-    /// once. It goes 2⁻¹² cells an update at least.
-    double release_speed = std::numeric_limits<double>::infinity();
 };
 
 /// What a tracker is doing. From `contact` on the stylus is in contact.
@@ -98,9 +91,7 @@ public:
                   "a tracker's state can be copied like plain bytes where GLM's vectors can");
 
     constexpr explicit ProxyTracker(const Field& field, const TrackerOptions& options = {}) noexcept
-        : field_{&field}, options_{options} {
-        set_release_speed(options.release_speed);
-    }
+        : field_{&field}, options_{options} {}
     explicit ProxyTracker(const Field&&,
                           const TrackerOptions& = {}) = delete; // the field must outlive the tracker
 
@@ -116,11 +107,6 @@ public:
     [[nodiscard]] constexpr const State& state() const noexcept { return state_; }
     constexpr void restore(const State& state) noexcept { state_ = state; }
     [[nodiscard]] constexpr const Field& field() const noexcept { return *field_; }
-    /// `TrackerOptions::release_speed`, from the next update on.
-    constexpr void set_release_speed(double metres_per_update) noexcept {
-        const bool glides = metres_per_update > 0;
-        options_.release_speed = glides ? metres_per_update : std::numeric_limits<double>::infinity();
-    }
 
 private:
     using Phase = TrackerPhase;
@@ -130,7 +116,6 @@ private:
         int patches;        ///< looked at so far
         int slide;          ///< over how many the proxy may still slide
         bool after_release; ///< a minimum that does not hold this stylus was released on the way here
-        detail::DistanceLeft<Scalar> way{}; ///< a proxy that glides: how far it may still move
     };
 
     // The ways through an update, in the order in which it takes them.
@@ -141,8 +126,6 @@ private:
     /// at before. Mostly it comes to a minimum that holds the stylus.
     [[nodiscard, gnu::noinline]] Contact<Scalar> update_contact(const vec3<Scalar>& stylus,
                                                                 int patches) noexcept;
-    /// The same with a release speed.
-    [[nodiscard, gnu::noinline]] Contact<Scalar> glide(const vec3<Scalar>& stylus, int patches) noexcept;
     /// In contact, with something left to do from the last update.
     [[nodiscard, gnu::noinline]] Contact<Scalar> resume_contact(const vec3<Scalar>& stylus) noexcept;
     /// Slides the proxy, and goes on as `finish_slide` does.
@@ -187,9 +170,6 @@ private:
 
     // What they ask.
 
-    [[nodiscard]] bool glides() const noexcept {
-        return options_.release_speed < std::numeric_limits<double>::infinity();
-    }
     /// Whether the stylus is inside of the face at the point that was found.
     [[nodiscard]] bool holds(const DescentResult<Scalar>& found) const noexcept;
     /// Whether the stylus has the surface right above it (felt from below: right below it), by more than rounding. Asked while
@@ -207,12 +187,6 @@ private:
     }
     /// Over how many patches the proxy may slide in an update in which the stylus moved here from `before`.
     [[nodiscard]] int slide_allowance(const glm::dvec3& before, const vec3<Scalar>& stylus) const noexcept;
-    /// What a slide may do in such an update, after `patches` were looked at.
-    [[nodiscard]] Work work_for(const glm::dvec3& before, const vec3<Scalar>& stylus, int patches,
-                                bool after_release) const noexcept;
-    /// Slides the proxy as far as is allowed.
-    [[nodiscard]] DescentResult<Scalar>
-    descend_within(const vec3<Scalar>& stylus, DescentProgress<Scalar>& progress, Work& work) const noexcept;
     /// A bound of how far rounding may leave a proxy off the surface, in metres: some ulps of the lengths that its offset
     /// from the stylus is made of.
     [[nodiscard]] static Scalar rounding_bound(const vec3<Scalar>& offset,
@@ -275,7 +249,7 @@ auto ProxyTracker<Field>::search(const vec3<Scalar>& stylus) noexcept -> Contact
         went_on && state_.after_release && is_as_far_as_released(look_at_proxy(stylus));
     state_.reenters_at_once = false;
     enter_face(hit, Phase::contact);
-    if (after_release) return slide(stylus, {}, work_for(to, stylus, patches, true));
+    if (after_release) return slide(stylus, {}, {patches, slide_allowance(to, stylus), true});
     // How far the proxy may slide goes by how far the stylus moved in this update. `swept_to` is farther back than that where
     // the search was cut short.
     if (went_on) state_.swept_to = to;
@@ -285,27 +259,15 @@ auto ProxyTracker<Field>::search(const vec3<Scalar>& stylus) noexcept -> Contact
 template <HeightField Field>
 auto ProxyTracker<Field>::update_contact(const vec3<Scalar>& stylus, int patches) noexcept
     -> Contact<Scalar> {
-    if (glides()) [[unlikely]]
-        return glide(stylus, patches);
     const Work work{patches, slide_allowance(state_.swept_to, stylus), false};
     state_.swept_to = widen(stylus);
     DescentProgress<Scalar> progress;
-    detail::AnyDistance any;
-    const auto found = detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, slide_allowed(work)),
-                                              progress, any);
+    const auto found =
+        detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, slide_allowed(work)), progress);
     if (found.status == DescentStatus::minimum && holds(found)) [[likely]] {
         state_.proxy = found.point;
         return make_contact(stylus, found, ContactStatus::contact, true, patches + found.patches);
     }
-    return finish_slide(stylus, found, progress, work);
-}
-
-template <HeightField Field>
-auto ProxyTracker<Field>::glide(const vec3<Scalar>& stylus, int patches) noexcept -> Contact<Scalar> {
-    Work work = work_for(state_.swept_to, stylus, patches, false);
-    DescentProgress<Scalar> progress;
-    const auto found = detail::descend_no_farther(*field_, stylus, state_.proxy,
-                                                  glm::max(1, slide_allowed(work)), progress, work.way);
     return finish_slide(stylus, found, progress, work);
 }
 
@@ -316,7 +278,7 @@ auto ProxyTracker<Field>::resume_contact(const vec3<Scalar>& stylus) noexcept ->
         state_.phase = Phase::contact;
         return update_contact(stylus, 0);
     }
-    Work work = work_for(to, stylus, 0, state_.after_release);
+    Work work{0, slide_allowance(to, stylus), state_.after_release};
     if (state_.phase == Phase::sliding) return slide(stylus, state_.progress, work);
 
     const auto released = look_at_proxy(stylus);
@@ -325,14 +287,13 @@ auto ProxyTracker<Field>::resume_contact(const vec3<Scalar>& stylus) noexcept ->
     const auto hit = search_beyond(stylus, work_allowed(), work);
     if (hit.status != HitStatus::hit) return end_release(stylus, hit, released, work.patches);
     enter_face(hit, Phase::sliding);
-    work.way = {Scalar(0), true}; // it jumped
     return slide(stylus, {}, work);
 }
 
 template <HeightField Field>
 auto ProxyTracker<Field>::slide(const vec3<Scalar>& stylus, DescentProgress<Scalar> progress,
                                 Work work) noexcept -> Contact<Scalar> {
-    const auto found = descend_within(stylus, progress, work);
+    const auto found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
     return finish_slide(stylus, found, progress, work);
 }
 
@@ -385,11 +346,7 @@ auto ProxyTracker<Field>::finish_slide(const vec3<Scalar>& stylus, DescentResult
         state_.reenters_at_once =
             !cut_short && hit.t * std::sqrt(widen(state_.released_squared)) <= widen(rounding_bound(found));
         progress = {};
-        // Of the segment to the stylus; all of it where the search went on from further along.
-        const auto jump =
-            (cut_short ? Scalar(1) : static_cast<Scalar>(hit.t)) * std::sqrt(state_.released_squared);
-        work.way = {glm::max(work.way.metres - jump, Scalar(0)), true};
-        found = descend_within(stylus, progress, work);
+        found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
     }
 }
 
@@ -547,23 +504,6 @@ int ProxyTracker<Field>::slide_allowance(const glm::dvec3& before,
     return static_cast<int>(
         glm::min(static_cast<double>(glm::max(options_.max_contact_patches, 1)) + 2 * cells,
                  static_cast<double>(work_allowed())));
-}
-
-template <HeightField Field>
-auto ProxyTracker<Field>::work_for(const glm::dvec3& before, const vec3<Scalar>& stylus, int patches,
-                                   bool after_release) const noexcept -> Work {
-    Work work{patches, slide_allowance(before, stylus), after_release};
-    if (glides())
-        work.way.metres = static_cast<Scalar>(options_.release_speed + glm::length(widen(stylus) - before));
-    return work;
-}
-
-template <HeightField Field>
-auto ProxyTracker<Field>::descend_within(const vec3<Scalar>& stylus, DescentProgress<Scalar>& progress,
-                                         Work& work) const noexcept -> DescentResult<Scalar> {
-    const int patches = slide_allowed(work);
-    return glides() ? detail::descend_no_farther(*field_, stylus, state_.proxy, patches, progress, work.way)
-                    : detail::descend_on(*field_, stylus, state_.proxy, patches, progress);
 }
 
 template <HeightField Field>

@@ -135,11 +135,11 @@ struct DistanceLeft {
 
 /// `descend`, from the start on or from where it was cut short. Inlined where it is the hot path, so that its result is not
 /// returned through memory.
-template <HeightField Field, class Way>
+template <HeightField Field, class Way = AnyDistance>
 [[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-               DescentProgress<typename Field::Scalar>& progress, Way& way) noexcept;
+               DescentProgress<typename Field::Scalar>& progress, Way way = {}) noexcept;
 
 /// The same, for where it is not the hot path.
 template <HeightField Field>
@@ -147,18 +147,19 @@ template <HeightField Field>
 descend_on(const Field& field, const vec3<typename Field::Scalar>& query,
            const SurfacePoint<typename Field::Scalar>& start, int max_patches,
            DescentProgress<typename Field::Scalar>& progress) noexcept {
-    AnyDistance any;
-    return descend_inline(field, query, start, max_patches, progress, any);
+    return descend_inline(field, query, start, max_patches, progress);
 }
 
-/// The same, but the point moves no farther than `left` says, and ends there with work_limit.
+/// `descend` from the start on, but the point moves no farther than so many metres, or 2⁻¹² cells, and ends there with
+/// work_limit.
 template <HeightField Field>
 [[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
 descend_no_farther(const Field& field, const vec3<typename Field::Scalar>& query,
                    const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-                   DescentProgress<typename Field::Scalar>& progress,
-                   DistanceLeft<typename Field::Scalar>& left) noexcept {
-    return descend_inline(field, query, start, max_patches, progress, left);
+                   typename Field::Scalar metres) noexcept {
+    DescentProgress<typename Field::Scalar> progress;
+    return descend_inline(field, query, start, max_patches, progress,
+                          DistanceLeft<typename Field::Scalar>{metres});
 }
 
 // The patches that meet at a point on the border of its patch.
@@ -466,7 +467,7 @@ template <HeightField Field, class Way>
 [[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-               DescentProgress<typename Field::Scalar>& progress, Way& way) noexcept {
+               DescentProgress<typename Field::Scalar>& progress, Way way) noexcept {
     using T = typename Field::Scalar;
     const auto first = field.patch(start.cell);
     if (!first) return {.status = DescentStatus::off_hole, .point = start, .patches = 1};
