@@ -42,6 +42,12 @@ template <LeveledHeightField Levels, HeightField Field>
 double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
                     Friction<typename Field::Scalar>& friction) noexcept;
 
+/// The same with friction and glide.
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
+                    Friction<typename Field::Scalar>& friction,
+                    ProxyGlide<typename Field::Scalar>& glide) noexcept;
+
 namespace detail {
 
 /// The height of the ground over (x, y) in plan, in double; empty where there is none.

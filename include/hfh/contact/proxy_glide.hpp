@@ -1,8 +1,7 @@
 #ifndef HFH_CONTACT_PROXY_GLIDE_HPP
 #define HFH_CONTACT_PROXY_GLIDE_HPP
 
-#include <hfh/contact/contact.hpp>
-#include <hfh/traversal/descent.hpp>
+#include <hfh/contact/proxy_tracker.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -34,12 +33,12 @@ struct GlideState {
 ///
 /// It is felt when the tracker's is: never without contact, never without a force where the tracker has one, and never longer
 /// than that. While it glides, the force may point into the face that the proxy is on, as under limited work: what counts is
-/// that the stylus is below the surface. When the hand rests, the proxy gets to the tracker's after (length of the way)/speed
+/// that the stylus is below the surface, or is held by the tracker's face once that has arrived. When the hand rests, the proxy gets to the tracker's after (length of the way)/speed
 /// updates, and the contact is the tracker's from then on, to the bit.
 ///
 /// It jumps to the tracker's proxy, as there would be no glide, where its own slide ends elsewhere: in a minimum that the
 /// tracker has released, because there is air on the way to the next face, or that it does not know; at a rim or on ground
-/// that is gone; where the contact changes sides; and where more than `max_patches` lie on the way. First contact begins at
+/// that is gone; and where the contact changes sides. First contact begins at
 /// the tracker's proxy, release ends it, bad_input leaves it alone.
 ///
 /// Comes right behind the tracker: tracker, glide, shading, friction, then damping with the force. Costs some instructions
@@ -49,7 +48,8 @@ class ProxyGlide {
 public:
     using State = GlideState<T>;
 
-    /// So many metres an update, > 0, or 2⁻¹² cells if that is more. Anything else, and ∞: no glide.
+    /// So many metres an update, > 0, or 2⁻¹² cells if that is more. Anything else, and ∞: no glide. A proxy that glides looks
+    /// at `max_patches` + 16 patches in an update, and goes on in the next.
     constexpr explicit ProxyGlide(double speed = std::numeric_limits<double>::infinity(),
                                   int max_patches = 1024) noexcept
         : speed_{speed}, max_patches_{max_patches} {}
@@ -72,7 +72,8 @@ public:
         state_.side = contact.side;
         if (follows && !is_within(field, contact.point, most)) {
             const auto found = detail::descend_no_farther(field, stylus, state_.proxy, max_patches_, most);
-            state_.is_under_way = found.status == DescentStatus::work_limit;
+            state_.is_under_way =
+                found.status == DescentStatus::work_limit && is_felt_at(field, found, contact.status, stylus);
             if (state_.is_under_way) return at_proxy(contact, stylus, found);
         }
         state_.is_under_way = false;
@@ -100,6 +101,15 @@ private:
                           to_patch->spacing.y * (static_cast<T>(to.cell.j - at.cell.j) + (to.v - at.v)),
                           to_patch->height(to.u, to.v) - from_patch->height(at.u, at.v)};
         return glm::dot(way, way) <= metres * metres;
+    }
+
+    /// Whether a stylus whose contact is felt is so at a point on the way too.
+    template <HeightField Field>
+    [[nodiscard]] bool is_felt_at(const Field& field, const DescentResult<T>& found, ContactStatus status,
+                                  const vec3<T>& stylus) const noexcept {
+        const bool holds = state_.side == Side::below ? found.signed_depth < 0 : found.signed_depth > 0;
+        return holds || status == ContactStatus::contact ||
+               detail::has_surface_over(field, stylus, state_.side);
     }
 
     /// The contact with its proxy where the slide has come to.
