@@ -5,6 +5,7 @@
 
 #include <hfh/contact/ball_contact.hpp>
 #include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_glide.hpp>
 #include <hfh/contact/ball_shading.hpp>
 #include <hfh/contact/ball_touches.hpp>
 #include <hfh/contact/ball_tracker.hpp>
@@ -13,6 +14,7 @@
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/friction_cone.hpp>
 #include <hfh/contact/level_change.hpp>
+#include <hfh/contact/proxy_glide.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 
 #endif // HFH_CONTACT_HPP

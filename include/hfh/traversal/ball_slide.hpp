@@ -76,6 +76,9 @@ public:
     [[nodiscard]] BallSlideEnd run(const glm::dvec3& target, bool touched, int max_steps,
                                    double friction = 0) noexcept;
 
+    /// Slides so many metres towards the target and no farther. False where that ends before, or is not possible.
+    [[nodiscard]] bool glide(const glm::dvec3& target, double length) noexcept;
+
 private:
     /// Where the centre is to go from where it is: steps, in metres.
     struct Move {
@@ -177,6 +180,20 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
         case MoveEnd::no_nearer: return move_.touches ? BallSlideEnd::minimum : BallSlideEnd::step_limit;
         }
     }
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::glide(const glm::dvec3& target, double length) noexcept {
+    // The last part is not worth a step of its own.
+    for (double left = length; left > length / 64;) {
+        const glm::dvec3 before = centre_;
+        if (!look(glm::min(left, widest())) || overlaps()) return false;
+        if (run(target, true, 1) != BallSlideEnd::step_limit) return false;
+        const double gone = glm::distance(before, centre_);
+        if (!(gone > length / 1024)) return false;
+        left -= gone;
+    }
+    return true;
 }
 
 template <HeightField Field>
