@@ -224,7 +224,11 @@ auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noe
     move.held = around().nearest_to(way, 1e-14 * (left + ball_.radius));
     move.first = move.held.step;
     plan_second_step(way, move);
-    if (friction > 0 && move.touches) {
+    // What the ball is only about to touch holds nothing back.
+    bool held_by_touches = move.touches;
+    for (int k = 0; k < move.held.count; ++k)
+        held_by_touches = held_by_touches && around()[move.held.faces[k]].gap <= near;
+    if (friction > 0 && held_by_touches) {
         const double across = glm::length(move.first), against = glm::distance(move.first, way);
         move.crest_count = 0;
         move.arrived = across <= friction * against * (1 + 1e-9);
