@@ -142,7 +142,7 @@ void friction_and_shading(const Effort& effort, Findings& findings) {
 }
 
 /// A proxy that a ridge lets go glides at half a millimetre of hand an update. Here steps count only while contact lasts: at
-/// the rim of a hole the proxy has nowhere to glide. At the end of each path the hand rests, until the proxy has arrived.
+/// the rim of a hole the proxy has nowhere to glide. A hand that rests anywhere on the way waits until the proxy has arrived.
 template <Real T>
 void release_at_a_speed(const Effort& effort, Findings& findings) {
     constexpr double cell = 0.2e-3, deep = 15 * cell, speed = 0.5e-3;
@@ -179,6 +179,7 @@ void release_at_a_speed(const Effort& effort, Findings& findings) {
                         ratios.all.push_back(glm::length(newtons - before) / (stiffness * step_to(path, k)));
                     updates += touching.touching();
                     on_the_way += touching.is_under_way();
+                    longest_rest = std::max(longest_rest, touching.updates_to_arrive(sample.position));
                     if (!touching.touching()) {
                         touching.reset();
                         (void)touching.update(sample.position + glm::dvec3{0, 0, 1});
@@ -187,10 +188,6 @@ void release_at_a_speed(const Effort& effort, Findings& findings) {
                     before = newtons;
                     sample = device.step(newtons);
                 }
-                int rest = 0; // the device held where it is
-                for (; touching.touching() && touching.is_under_way() && rest < 1000; ++rest)
-                    (void)touching.update(sample.position);
-                longest_rest = std::max(longest_rest, rest);
             }
             const double at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
             detail.by_ground.push_back(text("%.2f, %.1f, %.0f", ratios.mean(), at_99, top));

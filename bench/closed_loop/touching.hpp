@@ -64,6 +64,16 @@ public:
     [[nodiscard]] bool touching() const { return touching_; }
     /// The proxy that is felt has not come to the tracker's.
     [[nodiscard]] bool is_under_way() const { return glide_.state().is_under_way; }
+    /// How many updates a hand that rests at `position` has to wait for it.
+    [[nodiscard]] int updates_to_arrive(const glm::dvec3& position) const {
+        const hfh::vec3<T> stylus{position};
+        auto tracker = tracker_;
+        auto glide = glide_;
+        int updates = 0;
+        for (; glide.state().is_under_way && updates < 1000; ++updates)
+            (void)glide.follow(grid_, tracker.update(stylus), stylus);
+        return updates;
+    }
     [[nodiscard]] long without_force() const { return without_force_; } ///< of the updates in contact
     [[nodiscard]] long contacts() const { return contacts_; }           ///< updates in contact
     [[nodiscard]] long jammed() const { return jammed_; } ///< of these, with the proxy not at a local minimum
