@@ -2,9 +2,11 @@
 #define HFH_CONTACT_LEVEL_CHANGE_HPP
 
 #include <hfh/contact/friction.hpp>
+#include <hfh/contact/proxy_glide.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/geometry/surface_point.hpp>
 #include <hfh/terrain/height_field.hpp>
+#include <hfh/traversal/surface_at.hpp>
 
 #include <cmath>
 
@@ -41,27 +43,13 @@ template <LeveledHeightField Levels, HeightField Field>
 double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
                     Friction<typename Field::Scalar>& friction) noexcept;
 
+/// The same with friction and glide.
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
+                    Friction<typename Field::Scalar>& friction,
+                    ProxyGlide<typename Field::Scalar>& glide) noexcept;
+
 namespace detail {
-
-/// The height of the ground over (x, y) in plan, in double; empty where there is none.
-template <HeightField Field>
-[[nodiscard]] std::optional<double> height_over(const Field& field, double x, double y) noexcept {
-    const Lattice lattice = field.lattice();
-    const double u = lattice.u_of(x, 0), v = lattice.v_of(y, 0);
-    const Cell cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
-    const auto patch = field.patch(cell);
-    if (!patch) return std::nullopt;
-    return widen(*patch).height(lattice.u_of(x, cell.i), lattice.v_of(y, cell.j));
-}
-
-/// The height of the ground at a point of it.
-template <HeightField Field>
-[[nodiscard]] std::optional<double> height_at(const Field& field,
-                                              const SurfacePoint<typename Field::Scalar>& at) noexcept {
-    const auto patch = field.patch(at.cell);
-    if (!patch) return std::nullopt;
-    return widen(*patch).height(widen(at.u), widen(at.v));
-}
 
 /// One of u and v, and the cell's number along it.
 template <Real T>
@@ -120,6 +108,18 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
     auto state = friction.state();
     state.anchor = renumbered(state.anchor, levels.finer_level() - k);
     friction.restore(state);
+    return rise;
+}
+
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
+                    Friction<typename Field::Scalar>& friction,
+                    ProxyGlide<typename Field::Scalar>& glide) noexcept {
+    const int k = levels.finer_level();
+    const double rise = change_level(levels, level, tracker, friction);
+    auto state = glide.state();
+    state.proxy = renumbered(state.proxy, levels.finer_level() - k);
+    glide.restore(state);
     return rise;
 }
 

@@ -42,6 +42,33 @@ template <HeightField Field, Real U>
 
 namespace detail {
 
+/// The height of the surface over (x, y) in plan, in double; empty where there is none.
+template <HeightField Field>
+[[nodiscard]] std::optional<double> height_over(const Field& field, double x, double y) noexcept {
+    const Lattice lattice = field.lattice();
+    const double u = lattice.u_of(x, 0), v = lattice.v_of(y, 0);
+    const Cell cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
+    const auto patch = field.patch(cell);
+    if (!patch) return std::nullopt;
+    return widen(*patch).height(lattice.u_of(x, cell.i), lattice.v_of(y, cell.j));
+}
+
+/// The height of the surface at a point of it.
+template <HeightField Field>
+[[nodiscard]] std::optional<double> height_at(const Field& field,
+                                              const SurfacePoint<typename Field::Scalar>& at) noexcept {
+    const auto patch = field.patch(at.cell);
+    if (!patch) return std::nullopt;
+    return widen(*patch).height(widen(at.u), widen(at.v));
+}
+
+/// Which side of the surface a point is on, vertically; none where there is no surface over or under it.
+template <HeightField Field>
+[[nodiscard]] Side side_of(const Field& field, const glm::dvec3& at) noexcept {
+    const auto height = height_over(field, at.x, at.y);
+    return !height ? Side::none : at.z < *height ? Side::below : Side::above;
+}
+
 /// The mean normal of the patches that meet at a point, and whether there are as many as cells.
 struct MeanNormal {
     glm::dvec3 normal{0, 0, 1};

@@ -1,0 +1,164 @@
+#ifndef HFH_TRAVERSAL_BALL_SWEEP_HPP
+#define HFH_TRAVERSAL_BALL_SWEEP_HPP
+
+#include <hfh/traversal/ball_obstacles.hpp>
+
+// Where a ball that moves along a segment touches the surface first. There is no closed form: the surface at a distance r from
+// a bilinear patch is of high degree. The ball goes by what is surely clear.
+//
+// Based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), conservative advancement, by half-spaces.
+
+namespace hfh {
+
+enum class BallSweepStatus : unsigned char {
+    touch,      ///< the ball touches the surface at t
+    miss,       ///< it touches nothing up to the end
+    overlap,    ///< it overlaps the surface where it begins
+    work_limit, ///< after max_work cells and blocks; it touches nothing up to t
+    bad_query ///< a coordinate is NaN, infinite, or `longest` or more in size; a radius that is not above 0 and finite
+};
+[[nodiscard]] constexpr const char* to_string(BallSweepStatus status) noexcept {
+    switch (status) {
+    case BallSweepStatus::touch: return "touch";
+    case BallSweepStatus::miss: return "miss";
+    case BallSweepStatus::overlap: return "overlap";
+    case BallSweepStatus::work_limit: return "work_limit";
+    case BallSweepStatus::bad_query: return "bad_query";
+    }
+    return "unknown";
+}
+
+template <Real T>
+struct BallSweep {
+    BallSweepStatus status = BallSweepStatus::miss;
+    double t = 1;            ///< 0 to 1: how far along the segment the ball gets
+    SurfacePoint<T> point{}; ///< touch: of the surface
+    vec3<T> normal{0, 0, 1}; ///< touch: unit, from the point to the centre
+    Index work = 0;          ///< cells and blocks looked at
+};
+
+/// The first place where a ball of `radius` touches the surface while its centre moves from `from` to `to` (world coordinates,
+/// metres). It is met from either side, and its rims are wires.
+///
+/// At t a point of the surface is within radius·(1 ± 1e-9) of the centre, and no point comes nearer than radius·(1 − 1e-9)
+/// before; a touch by less may be found or passed over. Computes in double. Does not throw and does not allocate.
+template <HeightField Field>
+[[nodiscard]] BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
+                                                            const glm::dvec3& to, double radius,
+                                                            Index max_work = 1'000'000) noexcept;
+
+namespace detail {
+
+/// How far a ball may go before the next look: of the order of what it takes to look around it.
+template <HeightField Field>
+[[nodiscard]] double widest_margin(const Field& field, double radius) noexcept {
+    const glm::dvec2 spacing = field.lattice().spacing();
+    return glm::max(radius / 2, glm::min(spacing.x, spacing.y) / 2);
+}
+
+/// A ball on a segment, and what is around it at t.
+template <HeightField Field>
+class SweptBall {
+public:
+    SweptBall(const Field& field, const glm::dvec3& from, const glm::dvec3& to, double radius,
+              Index max_work) noexcept
+        : from_{from}, way_{to - from}, radius_{radius},
+          margin_{glm::min(widest_margin(field, radius), glm::length(way_))}, work_{max_work}, around_{
+                                                                                                   field} {}
+
+    [[nodiscard]] Index work_left() const noexcept { return work_; }
+    [[nodiscard]] double t() const noexcept { return t_; }
+    [[nodiscard]] bool overlaps() const noexcept { return around_.smallest_gap() < -touching(); }
+    /// False if that is too much work; t stays then.
+    [[nodiscard]] bool look_at(double t) noexcept {
+        if (!around_.look(from_ + t * way_, radius_, margin_, work_)) return false;
+        t_ = t;
+        return true;
+    }
+    /// The nearest of the obstacles that the ball touches and goes against.
+    [[nodiscard]] const BallObstacle* touched() const noexcept {
+        const BallObstacle* nearest = nullptr;
+        for (const BallObstacle& obstacle : around_) {
+            const bool touches = obstacle.gap <= touching() && glm::dot(obstacle.normal, way_) < 0;
+            if (touches && (!nearest || obstacle.gap < nearest->gap)) nearest = &obstacle;
+        }
+        return nearest;
+    }
+    /// Goes on to where the first of the half-spaces ends. False if that is too much work.
+    [[nodiscard]] bool advance() noexcept {
+        const double length = glm::length(way_), part = glm::min(around_.margin() / length, 1 - t_),
+                     before = t_;
+        const double next = glm::min(1.0, t_ + part * around_.clear_part(part * way_, 0));
+        return look_at(next) && (!overlaps() || turn_back(before));
+    }
+
+private:
+    [[nodiscard]] double touching() const noexcept { return 1e-9 * radius_; }
+    /// A patch that is curved comes nearer than its plane told: from where the ball overlaps it back to where it touches, after a t at
+    /// which it was clear.
+    [[nodiscard]] bool turn_back(double clear) noexcept {
+        double beyond = t_;
+        for (;;) {
+            const double middle = clear + (beyond - clear) / 2;
+            if (!(middle > clear && middle < beyond)) return look_at(clear);
+            if (!look_at(middle)) return false;
+            if (overlaps()) {
+                beyond = middle;
+            } else if (touched()) {
+                return true;
+            } else {
+                clear = middle;
+            }
+        }
+    }
+
+    glm::dvec3 from_, way_;
+    double radius_, margin_, t_ = 0;
+    Index work_;
+    BallObstacles<Field> around_;
+};
+
+} // namespace detail
+
+template <HeightField Field>
+BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
+                                              const glm::dvec3& to, double radius, Index max_work) noexcept {
+    using T = typename Field::Scalar;
+    BallSweep<T> result;
+    const auto is_place = [](const glm::dvec3& p) {
+        return is_height(p.x) && is_height(p.y) && is_height(p.z);
+    };
+    if (!is_place(from) || !is_place(to) || !(radius > 0) || !is_height(radius) || !field.lattice().valid()) {
+        result.status = BallSweepStatus::bad_query;
+        return result;
+    }
+    detail::SweptBall<Field> ball{field, from, to, radius, max_work};
+    const auto end = [&](BallSweepStatus status) {
+        result.status = status;
+        result.t = ball.t();
+        result.work = max_work - ball.work_left();
+        return result;
+    };
+    if (!ball.look_at(0)) return end(BallSweepStatus::work_limit);
+    if (ball.overlaps()) return end(BallSweepStatus::overlap);
+    for (;;) {
+        if (const auto* touched = ball.touched()) {
+            const auto& at = touched->point;
+            result.point = {at.cell, static_cast<T>(at.u), static_cast<T>(at.v)};
+            result.normal = vec3<T>{touched->normal};
+            return end(BallSweepStatus::touch);
+        }
+        if (!(ball.t() < 1) || from == to) {
+            result = end(BallSweepStatus::miss);
+            result.t = 1;
+            return result;
+        }
+        const double before = ball.t();
+        if (!ball.advance()) return end(BallSweepStatus::work_limit);
+        if (!(ball.t() > before)) return end(BallSweepStatus::touch); // as far as roundings tell
+    }
+}
+
+} // namespace hfh
+
+#endif // HFH_TRAVERSAL_BALL_SWEEP_HPP
