@@ -5,6 +5,7 @@
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/geometry/surface_point.hpp>
 #include <hfh/terrain/height_field.hpp>
+#include <hfh/traversal/surface_at.hpp>
 
 #include <cmath>
 
@@ -42,17 +43,6 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
                     Friction<typename Field::Scalar>& friction) noexcept;
 
 namespace detail {
-
-/// The height of the ground over (x, y) in plan, in double; empty where there is none.
-template <HeightField Field>
-[[nodiscard]] std::optional<double> height_over(const Field& field, double x, double y) noexcept {
-    const Lattice lattice = field.lattice();
-    const double u = lattice.u_of(x, 0), v = lattice.v_of(y, 0);
-    const Cell cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
-    const auto patch = field.patch(cell);
-    if (!patch) return std::nullopt;
-    return widen(*patch).height(lattice.u_of(x, cell.i), lattice.v_of(y, cell.j));
-}
 
 /// The height of the ground at a point of it.
 template <HeightField Field>

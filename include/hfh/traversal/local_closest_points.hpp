@@ -103,7 +103,7 @@ LocalPointsResult visit_local_closest_points(const Field& field, const vec3<type
     }
     if (field.cells().empty()) return result;
 
-    detail::ReachSearch<Field> search{field, query, detail::square_of_reach(within), max_work};
+    detail::ReachSearch<Field> search{field, widen(query), detail::square_of_reach(within), max_work};
     const auto look = [&](Cell cell, const RelativePatch& patch) {
         const auto end =
             detail::visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {

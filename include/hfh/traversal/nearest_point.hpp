@@ -180,7 +180,7 @@ nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
     }
     if (field.cells().empty()) return result;
 
-    detail::ReachSearch<Field> search{field, query, detail::square_of_reach(options.max_distance),
+    detail::ReachSearch<Field> search{field, widen(query), detail::square_of_reach(options.max_distance),
                                       options.max_work};
     detail::NearestSoFar nearest{.foot = {.squared = search.reach_squared()}};
     Side side = Side::none;

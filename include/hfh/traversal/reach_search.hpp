@@ -20,7 +20,7 @@ public:
     using T = typename Field::Scalar;
 
     /// Precondition: the query is finite, and the field has cells.
-    ReachSearch(const Field& field, const vec3<T>& query, double reach_squared, Index max_work) noexcept
+    ReachSearch(const Field& field, const glm::dvec3& query, double reach_squared, Index max_work) noexcept
         : field_{field}, cells_{field.cells()}, reach_squared_{reach_squared}, work_left_{max_work} {
         const Lattice& lattice = field.lattice();
         const auto place = [](double x, double origin, double spacing, double per_metre, Index begin,
@@ -32,11 +32,11 @@ public:
             return offset - number * spacing;
         };
         dx_ = lattice.spacing().x, dy_ = lattice.spacing().y;
-        a_ = place(widen(query.x), lattice.origin().x, dx_, lattice.cells_per_metre().x, cells_.begin.i,
+        a_ = place(query.x, lattice.origin().x, dx_, lattice.cells_per_metre().x, cells_.begin.i,
                    cells_.end.i, base_.i);
-        b_ = place(widen(query.y), lattice.origin().y, dy_, lattice.cells_per_metre().y, cells_.begin.j,
+        b_ = place(query.y, lattice.origin().y, dy_, lattice.cells_per_metre().y, cells_.begin.j,
                    cells_.end.j, base_.j);
-        z_ = widen(query.z);
+        z_ = query.z;
     }
 
     /// The cell of the query, or the nearest to it; and the query in metres from its corner.

@@ -42,6 +42,17 @@ template <HeightField Field, Real U>
 
 namespace detail {
 
+/// The height of the surface over (x, y) in plan, in double; empty where there is none.
+template <HeightField Field>
+[[nodiscard]] std::optional<double> height_over(const Field& field, double x, double y) noexcept {
+    const Lattice lattice = field.lattice();
+    const double u = lattice.u_of(x, 0), v = lattice.v_of(y, 0);
+    const Cell cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
+    const auto patch = field.patch(cell);
+    if (!patch) return std::nullopt;
+    return widen(*patch).height(lattice.u_of(x, cell.i), lattice.v_of(y, cell.j));
+}
+
 /// The mean normal of the patches that meet at a point, and whether there are as many as cells.
 struct MeanNormal {
     glm::dvec3 normal{0, 0, 1};

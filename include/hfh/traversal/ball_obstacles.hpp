@@ -1,0 +1,270 @@
+#ifndef HFH_TRAVERSAL_BALL_OBSTACLES_HPP
+#define HFH_TRAVERSAL_BALL_OBSTACLES_HPP
+
+#include <hfh/geometry/half_spaces.hpp>
+#include <hfh/geometry/patch_minima.hpp>
+#include <hfh/geometry/surface_point.hpp>
+#include <hfh/terrain/height_field.hpp>
+#include <hfh/traversal/descent.hpp>
+#include <hfh/traversal/reach_search.hpp>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include <cmath>
+
+// What keeps a ball away from where it is about to go: the local closest points of all patches around its centre, each of
+// them a half-space.
+//
+//     n·(c' − q) ≥ r,   n = (c − q)/|c − q|                  q: a local closest point of a patch, seen from the centre c
+//
+// Where the surface is flat or sharp around q, no point of it comes nearer than r to a centre c' that keeps all half-spaces of
+// the patches within r + |c' − c|, nor anywhere on the way there. Where a patch is curved by κ it is so but for κ|c' − c|²/2.
+
+namespace hfh::detail {
+
+/// A place that keeps a ball away.
+struct BallObstacle {
+    glm::dvec3 normal{0, 0, 1}; ///< unit
+    double gap =
+        0; ///< how far the centre may go against the normal, in metres; < 0: the ball is too near by so much
+    double distance = 0;          ///< of the point from the centre, in metres
+    SurfacePoint<double> point{}; ///< where it is
+    bool on_rim = false;          ///< a cell that meets at the point has no patch
+    bool is_plane = false;        ///< the plane of a patch and not the point itself: see `BallObstacles`
+
+    [[nodiscard]] HalfSpace half_space() const noexcept { return {normal, -gap}; }
+};
+
+/// The second derivatives of the distance from a point of a patch to a centre: how its normal turns with the centre.
+///
+///     ∇²|c − q| = (I − n nᵀ − J A⁻¹ Jᵀ)/|c − q|,   A = JᵀJ − (c − q)·S_xy (0 1; 1 0)
+///
+/// with the directions J in which q may go on the patch: S_x and S_y inside, one of them on an edge, none at a vertex.
+[[nodiscard]] inline glm::dmat3 second_derivative(const RelativePatch& patch,
+                                                  const BallObstacle& at) noexcept {
+    const glm::dvec3 n = at.normal;
+    const double u = at.point.u, v = at.point.v;
+    const glm::dvec3 sx{1, 0, patch.slope_u(v) / patch.dx}, sy{0, 1, patch.slope_v(u) / patch.dy};
+    const bool along_x = u > 0 && u<1, along_y = v> 0 && v < 1;
+    const auto outer = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::outerProduct(a, b); };
+    glm::dmat3 turned = glm::dmat3{1.0} - outer(n, n);
+    if (along_x && along_y) {
+        const double xx = glm::dot(sx, sx), yy = glm::dot(sy, sy);
+        const double xy = glm::dot(sx, sy) - at.distance * n.z * patch.twist() / (patch.dx * patch.dy);
+        const double det = xx * yy - xy * xy;
+        if (det > 0)
+            turned -= (yy * outer(sx, sx) + xx * outer(sy, sy) - xy * (outer(sx, sy) + outer(sy, sx))) / det;
+    } else if (along_x) {
+        turned -= outer(sx, sx) / glm::dot(sx, sx);
+    } else if (along_y) {
+        turned -= outer(sy, sy) / glm::dot(sy, sy);
+    }
+    return turned / at.distance;
+}
+
+/// The obstacles around a centre, as far as the ball may go before the next look.
+///
+/// A local closest point on the border of its patch need not be one of the surface: where the distance falls on into a
+/// neighbour it does not touch the ball. Across a ridge it says nothing, and is left out. In a valley the patch beyond is kept
+/// away by its plane at that point, which the ball meets when it gets there; by the point itself only where it is so far from
+/// touching that plane that the point allows as much.
+template <HeightField Field>
+class BallObstacles {
+public:
+    static constexpr int most = 40;
+
+    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{field}, surface_{surface} {}
+
+    /// Looks around a ball of this radius: at every patch that comes within radius + margin of the centre. False, and none
+    /// are known, if that would be more than `work` patches and blocks. Counts them.
+    [[nodiscard]] bool look(const glm::dvec3& centre, double radius, double margin, Index& work) noexcept;
+
+    /// How far the centre may go and meet nothing that is not in the list. Less than it was asked for where there are too many.
+    [[nodiscard]] double margin() const noexcept { return margin_; }
+    [[nodiscard]] int size() const noexcept { return count_; }
+    [[nodiscard]] const BallObstacle& operator[](int k) const noexcept { return items_[k]; }
+    [[nodiscard]] const BallObstacle* begin() const noexcept { return items_; }
+    [[nodiscard]] const BallObstacle* end() const noexcept { return items_ + count_; }
+    /// The smallest gap, in metres; margin() where there is no obstacle.
+    [[nodiscard]] double smallest_gap() const noexcept {
+        double smallest = margin_;
+        for (const BallObstacle& obstacle : *this) smallest = glm::min(smallest, obstacle.gap);
+        return smallest;
+    }
+    /// How far along a way, 0 to 1, the ball may go before it meets the first obstacle.
+    [[nodiscard]] double clear_part(const glm::dvec3& way, double rounding) const noexcept {
+        double part = 1;
+        for (const BallObstacle& obstacle : *this) {
+            const double falls = -glm::dot(obstacle.normal, way);
+            if (falls * part > glm::max(obstacle.gap, 0.0) + rounding)
+                part = glm::max(obstacle.gap, 0.0) / falls;
+        }
+        return part;
+    }
+    /// Where the centre goes if it goes straight for a target and slides along what is in the way; steps are from the centre.
+    [[nodiscard]] PolyhedronPoint nearest_to(const glm::dvec3& target, double rounding) const noexcept {
+        HalfSpace half_spaces[most];
+        for (int k = 0; k < count_; ++k) half_spaces[k] = items_[k].half_space();
+        return nearest_in_polyhedron(
+            target, std::span<const HalfSpace>{half_spaces, static_cast<std::size_t>(count_)}, rounding);
+    }
+    /// `second_derivative` of an obstacle; zero for a plane.
+    [[nodiscard]] glm::dmat3 turn(const glm::dvec3& centre, const BallObstacle& at) const noexcept {
+        RelativePatch patch;
+        const ReachSearch<Field> search{field_, centre, 0, 0};
+        if (at.is_plane || !search.read(at.point.cell, patch)) return glm::dmat3{0.0};
+        return second_derivative(patch, at);
+    }
+
+private:
+    /// What becomes of a local closest point on the border of its patch.
+    enum class Border : unsigned char { touches, plane, left_out };
+
+    void offer(const ReachSearch<Field>& search, Cell cell, const RelativePatch& patch,
+               const RelativePatch::Foot& foot) noexcept;
+    [[nodiscard]] Border classify_border(const ReachSearch<Field>& search, Cell cell,
+                                         const RelativePatch::Foot& foot, const glm::dvec3& own_normal,
+                                         bool& on_rim) const noexcept;
+    void keep(const BallObstacle& obstacle) noexcept;
+    [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
+
+    const Field& field_;
+    SurfaceKind surface_;
+    double radius_ = 0;
+    double margin_ = 0;
+    int count_ = 0;
+    BallObstacle items_[most];
+};
+
+template <HeightField Field>
+bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double margin,
+                                Index& work) noexcept {
+    count_ = 0;
+    radius_ = radius;
+    margin_ = margin;
+    if (field_.cells().empty()) return true;
+    const auto reach_squared = [this] { return (radius_ + margin_) * (radius_ + margin_); };
+    ReachSearch<Field> search{field_, centre, reach_squared(), work};
+    bool complete = true;
+    const auto look_at = [&](Cell cell, const RelativePatch& patch) {
+        const auto end = visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
+            offer(search, cell, patch, foot);
+            return true;
+        });
+        complete = complete && end == MinimaEnd::complete;
+        search.set_reach_squared(reach_squared());
+        return true;
+    };
+    RelativePatch under;
+    if (search.read(search.base(), under) && under.box_squared() < search.reach_squared())
+        look_at(search.base(), under);
+    const bool ran = !search.reaches_out() || search.run(look_at);
+    work = search.work_left();
+    if (!ran) count_ = 0, margin_ = 0;
+    return ran;
+}
+
+template <HeightField Field>
+void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, const RelativePatch& patch,
+                                 const RelativePatch::Foot& foot) noexcept {
+    const double distance = std::sqrt(foot.squared);
+    if (!(distance < radius_ + margin_)) return;
+    const double slope_x = patch.slope_u(foot.v) / patch.dx, slope_y = patch.slope_v(foot.u) / patch.dy;
+    const glm::dvec3 upward =
+        glm::dvec3{-slope_x, -slope_y, 1} / std::sqrt(1 + slope_x * slope_x + slope_y * slope_y);
+    const glm::dvec3 to_centre = -foot.offset;
+    const double over = glm::dot(to_centre, upward);
+    BallObstacle obstacle{.normal = distance > 0 ? to_centre / distance : upward,
+                          .gap = distance - radius_,
+                          .distance = distance,
+                          .point = {cell, foot.u, foot.v}};
+    const bool solid = surface_ == SurfaceKind::solid;
+    if (!on_border(obstacle.point)) {
+        // From below it is seen through the ground. What lies between keeps the ball away.
+        if (solid && over < 0) return;
+        keep(obstacle);
+        return;
+    }
+    const glm::dvec3 own_normal = over < 0 ? -upward : upward;
+    const Border border = classify_border(search, cell, foot, own_normal, obstacle.on_rim);
+    if (border == Border::left_out || (solid && obstacle.on_rim && obstacle.normal.z < 0)) return;
+    const double plane_gap = std::abs(over) - radius_;
+    if (border == Border::plane) {
+        if (solid && over < 0) return;
+        if (plane_gap > obstacle.gap / 4) {
+            obstacle.normal = own_normal;
+            obstacle.gap = plane_gap;
+            obstacle.is_plane = true;
+        }
+    }
+    if (!is_known(obstacle)) keep(obstacle);
+}
+
+template <HeightField Field>
+auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cell cell,
+                                           const RelativePatch::Foot& foot, const glm::dvec3& own_normal,
+                                           bool& on_rim) const noexcept -> Border {
+    constexpr double level = 1e-9; // cosine of an angle that counts as right
+    Border border = Border::touches;
+    double steepest = level;
+    const SurfacePoint<double> at{cell, foot.u, foot.v};
+    const Neighbours neighbours{foot.u, foot.v};
+    const double length = glm::max(glm::length(foot.offset), std::numeric_limits<double>::min());
+    for (const Neighbour n : neighbours) {
+        const SurfacePoint<double> there = seen_from(n, at);
+        RelativePatch patch;
+        if (!search.read(there.cell, patch)) {
+            on_rim = true;
+            continue;
+        }
+        // Into the neighbour, along each parameter that has a border here.
+        glm::dvec3 down{0.0};
+        const auto fall_along = [&](double parameter, const glm::dvec3& partial) {
+            if (parameter > 0 && parameter < 1) return;
+            const glm::dvec3 inward = glm::normalize(parameter > 0 ? -partial : partial);
+            const double falls = -glm::dot(inward, foot.offset) / length;
+            if (falls > level) down += falls * inward;
+        };
+        fall_along(there.u, {patch.dx, 0, patch.slope_u(there.v)});
+        fall_along(there.v, {0, patch.dy, patch.slope_v(there.u)});
+        const double falls = glm::length(down);
+        if (!(falls > steepest)) continue;
+        steepest = falls;
+        border = glm::dot(own_normal, down) > level * falls ? Border::plane : Border::left_out;
+    }
+    return border;
+}
+
+template <HeightField Field>
+bool BallObstacles<Field>::is_known(const BallObstacle& obstacle) const noexcept {
+    for (const BallObstacle& other : *this) {
+        const double apart = std::abs(other.gap - obstacle.gap);
+        const glm::dvec3 turned = other.normal - obstacle.normal;
+        if (apart <= 1e-12 * obstacle.distance && glm::dot(turned, turned) <= 1e-24) return true;
+    }
+    return false;
+}
+
+template <HeightField Field>
+void BallObstacles<Field>::keep(const BallObstacle& obstacle) noexcept {
+    if (count_ < most) {
+        items_[count_++] = obstacle;
+        return;
+    }
+    // Too many: what is farthest is left out, and the ball may go less far.
+    int farthest = 0;
+    for (int k = 1; k < count_; ++k) {
+        if (items_[k].gap > items_[farthest].gap) farthest = k;
+    }
+    if (obstacle.gap < items_[farthest].gap) {
+        margin_ = glm::min(margin_, glm::max(items_[farthest].gap, radius_ / 16));
+        items_[farthest] = obstacle;
+    } else {
+        margin_ = glm::min(margin_, glm::max(obstacle.gap, radius_ / 16));
+    }
+}
+
+} // namespace hfh::detail
+
+#endif // HFH_TRAVERSAL_BALL_OBSTACLES_HPP
