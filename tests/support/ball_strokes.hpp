@@ -126,7 +126,10 @@ private:
             return judge_first_touch(judge_.ground(), *now.last_centre, to, radius, {}, 1500);
         };
         if (answer.found.status == ContactStatus::free) {
-            if (verdict(now.radius - slack) == SweepVerdict::nearer_before)
+            // It may have slid around what is on the way.
+            if (verdict(now.radius - slack) == SweepVerdict::nearer_before &&
+                flow_of_ball(judge_.ground(), *now.last_centre, to, now.radius, now.kind, 5000).end ==
+                    FlowEnd::minimum)
                 answer.verdict.fault = "went through the surface: 1";
         } else if (answer.found.touching() && verdict(now.radius + slack) == SweepVerdict::right) {
             answer.verdict.fault = "a contact with nothing on the way: 1";
@@ -238,13 +241,13 @@ private:
 
 /// What came out of many strokes.
 struct BallTally {
-    long updates = 0, contacts = 0, faults = 0, flows = 0, other_minima = 0;
+    long updates = 0, contacts = 0, faults = 0, flows = 0, narrow = 0, other_minima = 0;
     Wide penetration = 0, residual = 0;
     std::map<std::string, int> kinds{};  ///< of faults, and how many of each
     std::vector<std::string> examples{}; ///< the first few of each kind
 };
 
-/// Strokes on one terrain with balls of 0.1 to 5 cells: 100 updates each, 0.1 to 100 cells an update, 0.1 to 10 cells deep.
+/// Strokes on one terrain with balls of 0.1 to 5 cells: at most 100 updates each, 0.1 to 100 cells an update, 0.1 to 10 cells deep.
 /// One update in `flow_every` of those up to half a cell is compared with the gradient flow.
 ///
 /// `make(terrain, grid, radius, kind)` is a tracker.
@@ -271,6 +274,7 @@ void follow_strokes(const std::string& name, const Terrain<T>& terrain, long upd
                 hand.next(), {.flow = small && random.one_in(flow_every), .sweep = random.one_in(8)});
             ++tally.updates;
             tally.contacts += answer.found.touching();
+            tally.narrow += answer.verdict.narrow;
             tally.flows += answer.flowed;
             tally.other_minima += answer.other_minimum;
             tally.penetration = std::max(tally.penetration, answer.verdict.penetration);
@@ -281,6 +285,8 @@ void follow_strokes(const std::string& name, const Terrain<T>& terrain, long upd
                                          ? "other minimum"
                                          : answer.verdict.fault.substr(0, answer.verdict.fault.find(':'));
             if (++tally.kinds[kind] <= 2) tally.examples.push_back(answer.replay);
+            // What comes after a fault may come of it.
+            if (!answer.other_minimum) break;
         }
     }
 }
