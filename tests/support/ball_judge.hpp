@@ -205,7 +205,7 @@ private:
             const Wide farther = depth - length(*update.last_centre - stylus);
             if (farther > allowed) fault("farther than the last centre, by r times", farther / r);
         }
-        judge_touches(update, centre, depth, allowed, verdict);
+        judge_touches(update, centre, depth, roundings, verdict);
         if (found.status != ContactStatus::contact || !(found.depth > 0)) return; // on its way
         const Wide left = residual(centre, stylus, r, 2 * allowed + BallPromise<T>::gap * r);
         verdict.residual = left / depth;
@@ -240,18 +240,19 @@ private:
     }
 
     /// The touches are real, and their shares make up the force.
-    void judge_touches(const BallUpdate<T>& update, const Point& centre, Wide depth, Wide allowed,
+    void judge_touches(const BallUpdate<T>& update, const Point& centre, Wide depth, Wide roundings,
                        BallVerdict& verdict) const {
         const BallContact<T>& found = update.found;
-        const Wide r = update.radius, eps = static_cast<Wide>(epsilon<T>);
+        const Wide r = update.radius, eps = static_cast<Wide>(epsilon<T>),
+                   allowed = BallPromise<T>::penetration * r + roundings;
         const auto fault = [&](const char* what, Wide value) {
             if (verdict.fault.empty()) verdict.fault = measured(what, value);
         };
         if (!(found.depth > 0)) return;
-        if (std::abs(static_cast<Wide>(found.depth) - depth) > 8 * eps * depth)
+        if (std::abs(static_cast<Wide>(found.depth) - depth) > 8 * eps * depth + roundings)
             fault("depth is not that of the penetration", static_cast<Wide>(found.depth) - depth);
         const Wide apart = length(depth * wide(found.normal) - wide(found.penetration));
-        if (apart > 8 * eps * depth + allowed) fault("normal is not that of the force", apart / depth);
+        if (apart > 8 * eps * depth + roundings) fault("normal is not that of the force", apart / depth);
         if (found.status == ContactStatus::contact && found.count == 0) fault("no touch", 0);
         Point sum;
         Wide unsure = 0; // of the sum, for what the touches are rounded to

@@ -105,6 +105,7 @@ public:
         if (!answer.verdict.fault.empty() || answer.other_minimum) answer.replay = replay(now, answer);
         if (answer.found.status != ContactStatus::bad_input) {
             last_centre_ = centre_of(stylus, answer.found);
+            if (answer.found.status == ContactStatus::sweep_limit) last_centre_.reset(); // it is on the way
             last_status_ = answer.found.status;
         }
         // A replay may begin where the ball was free.
