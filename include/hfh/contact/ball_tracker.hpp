@@ -82,9 +82,12 @@ private:
         glm::dvec3 second{0.0};         ///< of second order
         glm::dvec3 first{0.0};          ///< of first order: keeps all half-spaces
         detail::PolyhedronPoint held{}; ///< what holds the ball, if it touches
+        double wanted =
+            0; ///< how far the step of second order would go if nothing were in the way, in metres
         bool touches = false;
-        glm::dvec3 crest{
-            0.0}; ///< where the distance is highest here: unit, along which it falls to both sides; else 0
+        /// Where the distance is highest here: directions, across each other, along which it falls to both sides.
+        glm::dvec3 crests[2]{glm::dvec3{0.0}, glm::dvec3{0.0}};
+        int crest_count = 0;
         bool arrived = false; ///< touches, and the step is below what can be resolved
     };
     /// How a try to make a move ended.
@@ -141,11 +144,17 @@ private:
     /// Step by step, whatever is in the way.
     [[nodiscard, gnu::noinline]] BallContact<Scalar> follow(const vec3<Scalar>& stylus, Index& work) noexcept;
 
-    [[nodiscard]] Move plan(const Place& place, const glm::dvec3& to) const noexcept;
+    /// `free`: nothing was touched yet, and the ball goes straight.
+    [[nodiscard]] Move plan(const Place& place, const glm::dvec3& to, bool free) const noexcept;
     /// The step of second order where obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const Place& place, const glm::dvec3& way, Move& move) const noexcept;
     [[nodiscard]] MoveEnd make_move(Place& place, const glm::dvec3& to, const Move& move) const noexcept;
-    [[nodiscard]] MoveEnd try_step(Place& place, const glm::dvec3& to, const glm::dvec3& step) const noexcept;
+    /// From where the distance is highest along a step: takes it, and goes on from there until the ball is nearer.
+    [[nodiscard]] bool leave_crest(Place& place, const glm::dvec3& to,
+                                   const glm::dvec3& aside) const noexcept;
+    /// `wanted`: how far it would go if it could, in metres.
+    [[nodiscard]] MoveEnd try_step(Place& place, const glm::dvec3& to, const glm::dvec3& step,
+                                   double wanted) const noexcept;
     /// Moves the ball away from what it overlaps, and looks around there. False where it cannot.
     [[nodiscard]] bool push_clear(Place& place, glm::dvec3& centre, double margin) const noexcept;
     /// Lifts the ball (felt from below: lowers it) until it is clear. False where it cannot.
@@ -277,30 +286,29 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const double radius = wide_radius();
     const auto foot = descend(field(), stylus, state_.foot, options_.max_patches);
     work -= foot.patches;
-    if (foot.status != DescentStatus::minimum || on_border(foot.point)) return false;
+    if (foot.status != DescentStatus::minimum) return false;
     const detail::ReachSearch<Field> from_stylus{field(), to, 0, 0};
     detail::RelativePatch patch;
     if (!from_stylus.read(foot.point.cell, patch)) return false;
     const double u = widen(foot.point.u), v = widen(foot.point.v);
-    const glm::dvec3 upward = patch.patch().normal(u, v),
-                     normal = state_.side == Side::below ? -upward : upward;
-    const glm::dvec3 offset = patch.foot(u, v).offset + radius * normal, centre = to + offset;
+    const glm::dvec3 to_foot = patch.foot(u, v).offset, upward = patch.patch().normal(u, v);
+    glm::dvec3 normal = state_.side == Side::below ? -upward : upward;
+    if (on_border(foot.point)) {
+        // A ridge, with the stylus over it. Where the stylus lies on it the direction is lost in rounding.
+        const double distance = glm::length(to_foot);
+        if (!(glm::dot(to_foot, normal) < 0 && distance > radius / 256)) return false;
+        normal = -to_foot / distance;
+        if (options_.surface == SurfaceKind::solid && normal.z < 0) return false;
+    }
+    const glm::dvec3 offset = to_foot + radius * normal, centre = to + offset;
     const double share = glm::dot(offset, normal);
     // Never farther, and no farther on the way than a look around its end tells about.
     const glm::dvec3 before = state_.centre - to, way = centre - state_.centre;
     const double length = glm::length(way);
     const bool farther = glm::dot(offset, offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
-    if (!(share > 0) || farther || !(length <= detail::widest_margin(field(), radius))) return false;
-    Obstacles around{field(), options_.surface};
-    if (!around.look(centre, radius, length, work) || around.margin() < length) return false;
-    const double rounding = rounding_at(centre);
-    for (const auto& obstacle : around) {
-        const bool own =
-            obstacle.point.cell == foot.point.cell && glm::dot(obstacle.normal, normal) > 1 - 1e-6;
-        if (own) continue;
-        if (obstacle.gap < -rounding || glm::dot(obstacle.normal, way) > obstacle.gap + radius / 64)
-            return false;
-    }
+    if (!(share > 0) || farther || !(length <= 2 * detail::widest_margin(field(), radius))) return false;
+    if (!detail::rolls_freely(field(), state_.centre, centre, to, normal, radius, rounding_at(centre), work))
+        return false;
     state_.centre = centre;
     state_.stylus = to;
     state_.foot = foot.point;
@@ -339,9 +347,9 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
     }
     for (int step = 0;; ++step) {
         if (place.centre == to) return end(set_free(stylus));
-        const Move move = plan(place, to);
+        const Move move = plan(place, to, !touched);
         touched = touched || move.touches;
-        if (move.arrived && move.crest == glm::dvec3{0.0})
+        if (move.arrived && move.crest_count == 0)
             return end(make_contact(place, move.held, ContactStatus::contact));
         if (step >= max_steps) return end(keep(stylus, place, touched));
         switch (make_move(place, to, move)) {
@@ -356,22 +364,23 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
 }
 
 template <HeightField Field>
-auto BallTracker<Field>::plan(const Place& place, const glm::dvec3& to) const noexcept -> Move {
+auto BallTracker<Field>::plan(const Place& place, const glm::dvec3& to, bool free) const noexcept -> Move {
     const glm::dvec3 way = to - place.centre;
     const double left = glm::length(way), near = rounding_at(place.centre) + 1e-9 * wide_radius();
     Move move;
     for (const auto& obstacle : place.around())
         move.touches = move.touches || (obstacle.gap <= near && glm::dot(obstacle.normal, way) < 0);
-    if (!move.touches) {
+    if (free && !move.touches) {
         const glm::dvec3 ahead = glm::min(place.around().margin() / left, 1.0) * way;
         const double part = place.around().clear_part(ahead, 0);
         move.first = move.second = part < 1 ? part * ahead : ahead;
+        move.wanted = left;
         return move;
     }
     move.held = place.around().nearest_to(way, 1e-14 * (left + wide_radius()));
     move.first = move.held.step;
     plan_second_step(place, way, move);
-    move.arrived = glm::length(move.second) <= 1e-9 * left + epsilon<double> * wide_radius();
+    move.arrived = move.touches && glm::length(move.second) <= 1e-9 * left + epsilon<double> * wide_radius();
     return move;
 }
 
@@ -381,6 +390,7 @@ void BallTracker<Field>::plan_second_step(const Place& place, const glm::dvec3& 
     constexpr double flattest = 0.02; // of what the distance is bent by in free space
     const detail::PolyhedronPoint& held = move.held;
     move.second = move.first;
+    move.wanted = glm::length(move.first);
     if (held.count == 0 || held.count == 3) return;
     // Minimise ½ sᵀHs − way·s on the planes that hold the ball, with H = I − Σ share·∇²distance.
     glm::dmat3 hessian{1.0};
@@ -397,7 +407,7 @@ void BallTracker<Field>::plan_second_step(const Place& place, const glm::dvec3& 
         base = ((c * other.gap - face.gap) * n + (c * face.gap - other.gap) * other.normal) / det;
         const glm::dvec3 along = glm::normalize(glm::cross(n, other.normal));
         const double bend = glm::dot(along, hessian * along);
-        if (bend < -1e-6) move.crest = along;
+        if (bend < -1e-6) move.crests[move.crest_count++] = along;
         if (!(bend > flattest)) return;
         step = base + glm::dot(along, way - hessian * base) / bend * along;
     } else {
@@ -410,14 +420,19 @@ void BallTracker<Field>::plan_second_step(const Place& place, const glm::dvec3& 
             // The vector of the smaller bend.
             const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
             const double size = std::sqrt(x * x + y * y);
-            move.crest = size > 0 ? (x * a + y * b) / size : a;
+            const glm::dvec3 most = size > 0 ? (x * a + y * b) / size : a;
+            move.crests[move.crest_count++] = most;
+            if (mean + spread < -1e-6) move.crests[move.crest_count++] = glm::cross(n, most);
         }
         if (!(mean - spread > flattest)) return;
         const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
         step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
     }
     const double clear = place.around().clear_part(step, 1e-12 * wide_radius());
-    if (clear > 0.25) move.second = clear * step;
+    if (clear > 0.25) {
+        move.second = clear * step;
+        move.wanted = glm::length(step);
+    }
 }
 
 template <HeightField Field>
@@ -426,35 +441,61 @@ auto BallTracker<Field>::make_move(Place& place, const glm::dvec3& to, const Mov
     const double least = 1e-9 * glm::length(to - place.centre) + epsilon<double> * wide_radius();
     MoveEnd end = MoveEnd::no_nearer;
     if (move.arrived) {
-        const glm::dvec3 aside = wide_radius() / 16 * move.crest;
-        end = try_step(place, to, aside);
-        return end == MoveEnd::no_nearer ? try_step(place, to, -aside) : end;
+        for (int k = 0; k < move.crest_count; ++k) {
+            const glm::dvec3 aside = wide_radius() / 16 * move.crests[k];
+            if (leave_crest(place, to, aside) || leave_crest(place, to, -aside)) return MoveEnd::moved;
+        }
+        return MoveEnd::no_nearer;
     }
-    end = try_step(place, to, move.second);
-    if (end == MoveEnd::no_nearer && move.second != move.first) end = try_step(place, to, move.first);
+    end = try_step(place, to, move.second, move.wanted);
+    if (end == MoveEnd::no_nearer && move.second != move.first)
+        end = try_step(place, to, move.first, glm::length(move.first));
     glm::dvec3 step = move.first;
     const double most = place.around().margin();
     if (const double size = glm::length(step); size > most) step *= most / size;
     for (int halving = 0; halving < 16 && end == MoveEnd::no_nearer; ++halving) {
         step /= 2.0;
         if (!(glm::length(step) > least)) break;
-        end = try_step(place, to, step);
+        end = try_step(place, to, step, 2 * glm::length(step));
     }
     return end;
 }
 
 template <HeightField Field>
-auto BallTracker<Field>::try_step(Place& place, const glm::dvec3& to, const glm::dvec3& step) const noexcept
-    -> MoveEnd {
+bool BallTracker<Field>::leave_crest(Place& place, const glm::dvec3& to,
+                                     const glm::dvec3& aside) const noexcept {
+    const double size = glm::length(aside), before = glm::distance(place.centre, to);
+    Place trial = place;
+    glm::dvec3 next = place.centre + aside;
+    const double margin = 8 * size;
+    if (is_on_wrong_side(next) || !trial.ahead().look(next, wide_radius(), margin, trial.work) ||
+        !push_clear(trial, next, margin))
+        return false;
+    trial.move_to(next, size);
+    for (int step = 0; step < 4; ++step) {
+        const Move move = plan(trial, to, false);
+        if (move.arrived || try_step(trial, to, move.first, move.wanted) != MoveEnd::moved) return false;
+        if (glm::distance(trial.centre, to) < before * (1 - 1e-12)) {
+            place = trial;
+            return true;
+        }
+    }
+    return false;
+}
+
+template <HeightField Field>
+auto BallTracker<Field>::try_step(Place& place, const glm::dvec3& to, const glm::dvec3& step,
+                                  double wanted) const noexcept -> MoveEnd {
     const double size = glm::length(step), most = place.around().margin(), length = glm::min(size, most);
     const glm::dvec3 way = to - place.centre;
     glm::dvec3 next = size > most                               ? place.centre + most / size * step
                       : size == glm::length(way) && step == way ? to
                                                                 : place.centre + step;
     if (is_on_wrong_side(next)) return length <= wide_radius() / 2 ? MoveEnd::off_rim : MoveEnd::no_nearer;
-    const double widest =
-        glm::min(detail::widest_margin(field(), wide_radius()), glm::length(to - next) + length);
-    const double margin = glm::min(widest, glm::max(4 * length, wide_radius() / 64));
+    // As far as the ball may go from there: the rest of the step, or what a step of second order leaves.
+    const double left = glm::max(wanted - length, length / 4),
+                 widest = detail::widest_margin(field(), wide_radius());
+    const double margin = glm::clamp(1.25 * left, wide_radius() / 64, widest);
     if (!place.ahead().look(next, wide_radius(), margin, place.work)) return MoveEnd::work_limit;
     if (!(place.ahead().smallest_gap() > -wide_radius() / 2)) return MoveEnd::no_nearer;
     if (!push_clear(place, next, margin)) return place.work > 0 ? MoveEnd::no_nearer : MoveEnd::work_limit;

@@ -74,7 +74,7 @@ class BallObstacles {
 public:
     static constexpr int most = 40;
 
-    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{field}, surface_{surface} {}
+    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{&field}, surface_{surface} {}
 
     /// Looks around a ball of this radius: at every patch that comes within radius + margin of the centre. False, and none
     /// are known, if that would be more than `work` patches and blocks. Counts them.
@@ -112,7 +112,7 @@ public:
     /// `second_derivative` of an obstacle; zero for a plane.
     [[nodiscard]] glm::dmat3 turn(const glm::dvec3& centre, const BallObstacle& at) const noexcept {
         RelativePatch patch;
-        const ReachSearch<Field> search{field_, centre, 0, 0};
+        const ReachSearch<Field> search{*field_, centre, 0, 0};
         if (at.is_plane || !search.read(at.point.cell, patch)) return glm::dmat3{0.0};
         return second_derivative(patch, at);
     }
@@ -129,7 +129,7 @@ private:
     void keep(const BallObstacle& obstacle) noexcept;
     [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
 
-    const Field& field_;
+    const Field* field_;
     SurfaceKind surface_;
     double radius_ = 0;
     double margin_ = 0;
@@ -143,9 +143,9 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     count_ = 0;
     radius_ = radius;
     margin_ = margin;
-    if (field_.cells().empty()) return true;
+    if (field_->cells().empty()) return true;
     const auto reach_squared = [this] { return (radius_ + margin_) * (radius_ + margin_); };
-    ReachSearch<Field> search{field_, centre, reach_squared(), work};
+    ReachSearch<Field> search{*field_, centre, reach_squared(), work};
     bool complete = true;
     const auto look_at = [&](Cell cell, const RelativePatch& patch) {
         const auto end = visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
@@ -263,6 +263,54 @@ void BallObstacles<Field>::keep(const BallObstacle& obstacle) noexcept {
     } else {
         margin_ = glm::min(margin_, glm::max(obstacle.gap, radius_ / 16));
     }
+}
+
+/// Whether a ball that touches the surface with this normal at the end of its way `from` → `to`, and is clear at its beginning,
+/// is clear at the end, but for `rounding`, and on the way, but for a 64th of its radius. Where it is not, as on a ridge over
+/// which it rolls, it would have to go round the point that is in the way: it is asked whether it gets nearer to `target` then.
+/// A patch behind the plane on which the ball stands is not in its way. Counts patches and blocks; false as well if that
+/// would be more than `work`.
+template <HeightField Field>
+[[nodiscard]] bool rolls_freely(const Field& field, const glm::dvec3& from, const glm::dvec3& to,
+                                const glm::dvec3& target, const glm::dvec3& normal, double radius,
+                                double rounding, Index& work) noexcept {
+    const glm::dvec3 back = from - to;
+    const double length_squared = glm::dot(back, back), reach = radius + std::sqrt(length_squared);
+    const double clear = (radius - rounding) * (radius - rounding), touching = -radius * (1 - 1e-9);
+    const double near = radius * radius * (63.0 / 64 * 63.0 / 64),
+                 nearest = radius * radius * (7.0 / 8 * 7.0 / 8);
+    ReachSearch<Field> search{field, to, reach * reach, work};
+    const auto is_clear_of = [&](Cell, const RelativePatch& patch) {
+        const double x = normal.x * patch.x + glm::max(normal.x * patch.dx, 0.0),
+                     y = normal.y * patch.y + glm::max(normal.y * patch.dy, 0.0),
+                     z = normal.z > 0 ? normal.z * patch.highest() : normal.z * patch.lowest();
+        if (x + y + z <= rounding - radius) return true; // the box is behind the plane
+        const auto along = [&](double at_x, double at_y, double at_z) {
+            return normal.x * at_x + normal.y * at_y + normal.z * at_z;
+        };
+        const double right = patch.x + patch.dx, up = patch.y + patch.dy;
+        const double highest =
+            glm::max(glm::max(along(patch.x, patch.y, patch.z00), along(right, patch.y, patch.z10)),
+                     glm::max(along(patch.x, up, patch.z01), along(right, up, patch.z11)));
+        if (highest <= rounding - radius) return true;
+        const auto foot = closest_of_patch(patch);
+        if (foot.squared < clear) return false;
+        if (glm::dot(foot.offset, normal) <= touching) return true; // where it stands
+        const double part =
+            length_squared > 0 ? glm::clamp(glm::dot(foot.offset, back) / length_squared, 0.0, 1.0) : 0.0;
+        const glm::dvec3 apart = foot.offset - part * back;
+        const double apart_squared = glm::dot(apart, apart);
+        if (apart_squared >= near) return true;
+        const glm::dvec3 out = glm::normalize(back - foot.offset), around = glm::dot(back, out) * out - back;
+        return apart_squared >= nearest && glm::dot(from - target, around) <= 0;
+    };
+    RelativePatch under;
+    const bool is_clear =
+        (!search.read(search.base(), under) || !(under.box_squared() < search.reach_squared()) ||
+         is_clear_of(search.base(), under)) &&
+        (!search.reaches_out() || search.run(is_clear_of));
+    work = search.work_left();
+    return is_clear;
 }
 
 } // namespace hfh::detail
