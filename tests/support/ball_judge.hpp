@@ -95,9 +95,9 @@ public:
         const Nearby nearby{ground_, centre, radius, 20 * step};
         const Point down = (-1 / depth) * force;
         const Point aside = std::abs(down.z) < 0.5L ? Point{0, 0, 1} : Point{1, 0, 0};
-        Point one = cross(down, aside);
+        Point one = cross_product(down, aside);
         one = (1 / length(one)) * one;
-        const Point other = cross(down, one);
+        const Point other = cross_product(down, one);
         const auto after = [&](const Point& moved) -> std::optional<Wide> {
             const auto to = nearby.pushed_clear(moved);
             return to ? std::optional{length(*to - (stylus - centre))} : std::nullopt;
@@ -128,14 +128,14 @@ private:
         Nearby(const BallSurface<T>& ground, const Point& centre, Wide radius, Wide most)
             : radius_{radius}, most_{most} {
             const Surface<T>& surface = ground.surface();
-            for (const BallFoot& foot : ground.feet(centre, radius + most)) {
+            ground.each_foot(centre, radius + most, [&](const BallFoot& foot) {
                 const bool known = std::any_of(patches_.begin(), patches_.end(), [&](const Seen& seen) {
                     return seen.i == foot.at.i && seen.j == foot.at.j;
                 });
-                if (known) continue;
+                if (known) return;
                 patches_.push_back({*surface.patch(foot.at.i, foot.at.j),
                                     surface.seen_from(centre, foot.at.i, foot.at.j), foot.at.i, foot.at.j});
-            }
+            });
         }
         /// The centre moved by `way` and out of what the ball overlaps there, seen from the centre. Nothing if that is too far.
         [[nodiscard]] std::optional<Point> pushed_clear(Point way) const {
@@ -195,9 +195,13 @@ private:
         const auto fault = [&](const char* what, Wide value) {
             if (verdict.fault.empty()) verdict.fault = measured(what, value);
         };
-        const Wide overlap = r - ground_.distance(centre, r);
+        const auto nearest = ground_.nearest(centre, r);
+        const Wide overlap = nearest ? r - nearest->distance : Wide(0);
         verdict.penetration = overlap / r;
-        if (overlap > allowed) fault("penetration, of r", overlap / r);
+        if (overlap > allowed)
+            fault(seen_from_below(centre, r - allowed) ? "penetration from below, at a rim, of r"
+                                                       : "penetration, of r",
+                  overlap / r);
         judge_side(update, centre, allowed, verdict);
         if (length(wide(found.proxy) - centre) > roundings)
             fault("proxy is not stylus + penetration", length(wide(found.proxy) - centre));
@@ -214,12 +218,20 @@ private:
         if (!verdict.fault.empty()) return;
         const Wide slope = BallPromise<T>::residual + roundings / r;
         const Wide gain = gain_nearby(centre, stylus, r, slope, 1e-3L * r);
-        if (gain > 0 && !(gain_nearby(centre, stylus, r, slope, 1e-5L * r) > 0)) {
+        for (const Wide step : {1e-4L, 1e-5L, 1e-6L}) {
+            if (!(gain > 0) || gain_nearby(centre, stylus, r, slope, step * r) > 0) continue;
             // A minimum all the same, narrower than 10⁻³ r: the gradient flow ends there as well.
             verdict.narrow = true;
             return;
         }
         if (gain > 0) fault("nearer nearby, by r times", gain / r);
+    }
+
+    /// Whether all that a ball overlaps lies higher than its centre, as it does where the centre is beside a rim.
+    [[nodiscard]] bool seen_from_below(const Point& centre, Wide radius) const {
+        bool all = true;
+        ground_.each_foot(centre, radius, [&](const BallFoot& foot) { all = all && foot.offset.z > 0; });
+        return all;
     }
 
     void judge_side(const BallUpdate<T>& update, const Point& centre, Wide allowed,

@@ -244,6 +244,7 @@ private:
 struct BallTally {
     long updates = 0, contacts = 0, faults = 0, flows = 0, narrow = 0, other_minima = 0;
     Wide penetration = 0, residual = 0;
+    int examples_of_a_kind = 2;
     std::map<std::string, int> kinds{};  ///< of faults, and how many of each
     std::vector<std::string> examples{}; ///< the first few of each kind
 };
@@ -285,7 +286,7 @@ void follow_strokes(const std::string& name, const Terrain<T>& terrain, long upd
             const std::string kind = answer.other_minimum
                                          ? "other minimum"
                                          : answer.verdict.fault.substr(0, answer.verdict.fault.find(':'));
-            if (++tally.kinds[kind] <= 2) tally.examples.push_back(answer.replay);
+            if (++tally.kinds[kind] <= tally.examples_of_a_kind) tally.examples.push_back(answer.replay);
             // What comes after a fault may come of it.
             if (!answer.other_minimum) break;
         }

@@ -18,7 +18,7 @@ namespace hfh::test {
 [[nodiscard]] inline Wide largest_coordinate(const Point& a) {
     return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
 }
-[[nodiscard]] inline Point cross(const Point& a, const Point& b) {
+[[nodiscard]] inline Point cross_product(const Point& a, const Point& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
