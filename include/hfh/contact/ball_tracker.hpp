@@ -329,6 +329,9 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
     const glm::dvec3 to = widen(stylus);
     const double widest = detail::widest_margin(field(), wide_radius());
     const int max_steps = steps_allowed(to);
+    // A ball in contact goes about as far as the stylus went.
+    const double expected = state_.touching() ? 1.25 * glm::distance(to, state_.stylus) + wide_radius() / 16
+                                              : std::numeric_limits<double>::max();
     state_.stylus = to;
     Place place{field(), options_.surface, state_.centre, work};
     bool touched = state_.touching();
@@ -337,7 +340,7 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
         return contact;
     };
     const auto look = [&] {
-        const double margin = glm::min(widest, glm::length(to - place.centre));
+        const double margin = glm::min(glm::min(widest, expected), glm::distance(to, place.centre));
         return place.around().look(place.centre, wide_radius(), margin, place.work);
     };
     if (!look()) return end(keep(stylus, place, touched));

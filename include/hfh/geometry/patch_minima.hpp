@@ -60,11 +60,18 @@ struct RelativePatch {
     /// Whether the patch, which lies in the hull of its corners, lies beyond the plane that stands on `foot.offset` at its
     /// end. If it does no point of it is nearer than that.
     [[nodiscard]] bool is_beyond(const Foot& foot) const noexcept {
-        const glm::dvec3& n = foot.offset;
+        return least_along(foot.offset) >= foot.squared;
+    }
+
+    /// The least n·p of a point p of the patch, which lies in the hull of its corners.
+    [[nodiscard]] double least_along(const glm::dvec3& n) const noexcept {
         const double at_x0 = n.x * x, at_x1 = n.x * (x + dx), at_y0 = n.y * y, at_y1 = n.y * (y + dy);
-        const double nearest = glm::min(glm::min(at_x0 + at_y0 + n.z * z00, at_x1 + at_y0 + n.z * z10),
-                                        glm::min(at_x0 + at_y1 + n.z * z01, at_x1 + at_y1 + n.z * z11));
-        return nearest >= foot.squared;
+        return glm::min(glm::min(at_x0 + at_y0 + n.z * z00, at_x1 + at_y0 + n.z * z10),
+                        glm::min(at_x0 + at_y1 + n.z * z01, at_x1 + at_y1 + n.z * z11));
+    }
+    /// A point amid the patch.
+    [[nodiscard]] glm::dvec3 middle() const noexcept {
+        return {x + dx / 2, y + dy / 2, ((z00 + z11) + (z10 + z01)) / 4};
     }
 
     /// The same with the library's words for one patch and a query.

@@ -148,6 +148,9 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     ReachSearch<Field> search{*field_, centre, reach_squared(), work};
     bool complete = true;
     const auto look_at = [&](Cell cell, const RelativePatch& patch) {
+        const glm::dvec3 middle = patch.middle();
+        const double beyond = patch.least_along(middle);
+        if (beyond > 0 && beyond * beyond >= search.reach_squared() * glm::dot(middle, middle)) return true;
         const auto end = visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
             offer(search, cell, patch, foot);
             return true;
@@ -275,24 +278,24 @@ template <HeightField Field>
                                 const glm::dvec3& target, const glm::dvec3& normal, double radius,
                                 double rounding, Index& work) noexcept {
     const glm::dvec3 back = from - to;
-    const double length_squared = glm::dot(back, back), reach = radius + std::sqrt(length_squared);
+    const double length_squared = glm::dot(back, back);
     const double clear = (radius - rounding) * (radius - rounding), touching = -radius * (1 - 1e-9);
     const double near = radius * radius * (63.0 / 64 * 63.0 / 64),
                  nearest = radius * radius * (7.0 / 8 * 7.0 / 8);
-    ReachSearch<Field> search{field, to, reach * reach, work};
-    const auto is_clear_of = [&](Cell, const RelativePatch& patch) {
-        const double x = normal.x * patch.x + glm::max(normal.x * patch.dx, 0.0),
-                     y = normal.y * patch.y + glm::max(normal.y * patch.dy, 0.0),
-                     z = normal.z > 0 ? normal.z * patch.highest() : normal.z * patch.lowest();
-        if (x + y + z <= rounding - radius) return true; // the box is behind the plane
-        const auto along = [&](double at_x, double at_y, double at_z) {
-            return normal.x * at_x + normal.y * at_y + normal.z * at_z;
-        };
+    const glm::dvec3 low = glm::min(back, 0.0), high = glm::max(back, 0.0);
+    const ReachSearch<Field> search{field, to, 0, 0};
+    const auto is_clear_of = [&](const RelativePatch& patch) {
+        // The box that holds it is a radius away from the box that holds the way.
         const double right = patch.x + patch.dx, up = patch.y + patch.dy;
-        const double highest =
-            glm::max(glm::max(along(patch.x, patch.y, patch.z00), along(right, patch.y, patch.z10)),
-                     glm::max(along(patch.x, up, patch.z01), along(right, up, patch.z11)));
-        if (highest <= rounding - radius) return true;
+        const double off_x = glm::max(glm::max(patch.x - high.x, low.x - right), 0.0),
+                     off_y = glm::max(glm::max(patch.y - high.y, low.y - up), 0.0),
+                     off_z = glm::max(glm::max(patch.lowest() - high.z, low.z - patch.highest()), 0.0);
+        if (off_x * off_x + off_y * off_y + off_z * off_z >= radius * radius) return true;
+        // Planes keep it away: the one on which the ball stands, or one across the line to its middle.
+        if (-patch.least_along(-normal) <= rounding - radius) return true;
+        const glm::dvec3 middle = patch.middle();
+        const double beyond = patch.least_along(middle) - glm::max(glm::dot(middle, back), 0.0);
+        if (beyond > 0 && beyond * beyond >= radius * radius * glm::dot(middle, middle)) return true;
         const auto foot = closest_of_patch(patch);
         if (foot.squared < clear) return false;
         if (glm::dot(foot.offset, normal) <= touching) return true; // where it stands
@@ -304,13 +307,26 @@ template <HeightField Field>
         const glm::dvec3 out = glm::normalize(back - foot.offset), around = glm::dot(back, out) * out - back;
         return apart_squared >= nearest && glm::dot(from - target, around) <= 0;
     };
-    RelativePatch under;
-    const bool is_clear =
-        (!search.read(search.base(), under) || !(under.box_squared() < search.reach_squared()) ||
-         is_clear_of(search.base(), under)) &&
-        (!search.reaches_out() || search.run(is_clear_of));
-    work = search.work_left();
-    return is_clear;
+    // All cells under the box, one after the other: few, and mostly all of them are clear.
+    const CellRange cells = field.cells();
+    const glm::dvec2 per_metre = field.lattice().cells_per_metre();
+    RelativePatch patch;
+    const auto offset = [](double metres, double cells_per_metre) {
+        return static_cast<Index>(glm::clamp(std::floor(metres * cells_per_metre), -1e6, 1e6));
+    };
+    const glm::dvec2 corner = search.corner();
+    const Cell base = search.base();
+    const Cell begin{glm::max(base.i + offset(low.x - radius - corner.x, per_metre.x), cells.begin.i),
+                     glm::max(base.j + offset(low.y - radius - corner.y, per_metre.y), cells.begin.j)};
+    const Cell end{glm::min(base.i + offset(high.x + radius - corner.x, per_metre.x) + 1, cells.end.i),
+                   glm::min(base.j + offset(high.y + radius - corner.y, per_metre.y) + 1, cells.end.j)};
+    for (Index j = begin.j; j < end.j; ++j) {
+        for (Index i = begin.i; i < end.i; ++i) {
+            if (--work < 0) return false;
+            if (search.read({i, j}, patch) && !is_clear_of(patch)) return false;
+        }
+    }
+    return true;
 }
 
 } // namespace hfh::detail

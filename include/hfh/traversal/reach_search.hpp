@@ -41,6 +41,8 @@ public:
 
     /// The cell of the query, or the nearest to it; and the query in metres from its corner.
     [[nodiscard]] Cell base() const noexcept { return base_; }
+    /// Corner 00 of that cell, in metres from the query.
+    [[nodiscard]] glm::dvec2 corner() const noexcept { return {-a_, -b_}; }
     [[nodiscard]] double reach_squared() const noexcept { return reach_squared_; }
     void set_reach_squared(double reach_squared) noexcept { reach_squared_ = reach_squared; }
     [[nodiscard]] Index work_left() const noexcept { return work_left_; }
