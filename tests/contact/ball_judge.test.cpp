@@ -62,10 +62,12 @@ TEST_CASE("ball judge: the local closest points of a patch are those of a dense 
     Random random{301};
     int several = 0;
     for (int n = 0; n < 400; ++n) {
-        const WidePatch p{
-            random.between(-3, 3), random.between(-3, 3), random.between(-3, 3), random.between(-3, 3), 1,
-            0.5L + random.unit()};
-        const Point q{random.between(-0.5, 1.5), random.between(-0.5, 1.5), random.between(-4, 4)};
+        const auto between = [&](double low, double high) {
+            return static_cast<Wide>(random.between(low, high));
+        };
+        const WidePatch p{between(-3, 3),   between(-3, 3), between(-3, 3), between(-3, 3), 1,
+                          between(0.5, 1.5)};
+        const Point q{between(-0.5, 1.5), between(-0.5, 1.5), between(-4, 4)};
         std::vector<Point> found;
         each_local_minimum(p, q, [&](Wide x, Wide y, Wide z, Wide distance) {
             CHECK(std::abs(length({x, y, z}) - distance) < 1e-17L);

@@ -113,6 +113,12 @@ public:
         return answer;
     }
 
+    /// The ground or the radius has changed: what was before says nothing about what comes.
+    void forget(T radius) {
+        stroke_.radius = radius;
+        last_centre_.reset();
+    }
+
     [[nodiscard]] const BallJudge<T>& judge() const { return judge_; }
 
 private:
