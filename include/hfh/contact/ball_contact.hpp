@@ -24,7 +24,9 @@ struct BallContact : Contact<T> {
     static constexpr int max_touches = 3;
 
     BallTouch<T> touches[max_touches]{}; ///< with a share above 0, the largest first
+    glm::dvec3 centre{0.0};              ///< in contact: `proxy` before it is rounded to the scalar
     int count = 0;                       ///< of `touches`; 0 without contact
+    T radius{};                          ///< of the ball, in metres
 };
 
 } // namespace hfh

@@ -28,6 +28,8 @@ public:
     [[nodiscard]] virtual const Material& material() const noexcept = 0;
     virtual void set_material(const Material& material) noexcept = 0;
     virtual void reset() noexcept = 0;
+    /// `BallTracker::set_radius`, in metres of terrain; a point stays one.
+    virtual void set_tip_radius(double radius) noexcept = 0;
 
     [[nodiscard]] virtual glm::dvec3 stylus() const noexcept = 0;
     [[nodiscard]] virtual Contact<double> contact() const noexcept = 0;
@@ -45,7 +47,7 @@ protected:
 
 /// A field and the loop on it. The field is made here, of the arguments behind the options, and stays where it is, so it
 /// may be a type of yours that holds a field and another one around it.
-template <HeightField Field>
+template <HeightField Field, class Tip = PointTip>
 class FieldLoop final : public AnyHapticLoop {
 public:
     using Scalar = typename Field::Scalar;
@@ -56,7 +58,7 @@ public:
 
     /// For edits of what the field keeps beside the samples, as its bounds, between updates.
     [[nodiscard]] Field& field() noexcept { return field_; }
-    [[nodiscard]] HapticLoop<Field>& loop() noexcept { return loop_; }
+    [[nodiscard]] HapticLoop<Field, Tip>& loop() noexcept { return loop_; }
 
     [[nodiscard]] DeviceCommand update(const DeviceSample& sample) noexcept override {
         return loop_.update(sample);
@@ -64,6 +66,10 @@ public:
     [[nodiscard]] const Material& material() const noexcept override { return loop_.material(); }
     void set_material(const Material& material) noexcept override { loop_.set_material(material); }
     void reset() noexcept override { loop_.reset(); }
+    void set_tip_radius(double radius) noexcept override {
+        if constexpr (requires { loop_.tracker().set_radius(Scalar{}); })
+            loop_.tracker().set_radius(static_cast<Scalar>(radius));
+    }
 
     [[nodiscard]] glm::dvec3 stylus() const noexcept override { return widen(loop_.stylus()); }
     [[nodiscard]] Contact<double> contact() const noexcept override {
@@ -89,7 +95,7 @@ public:
 
 private:
     Field field_;
-    HapticLoop<Field> loop_;
+    HapticLoop<Field, Tip> loop_;
 };
 
 } // namespace hfh

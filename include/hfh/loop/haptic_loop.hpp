@@ -35,6 +35,16 @@ struct HapticLoopOptions {
     unsigned clutch_buttons = 0;
 };
 
+/// What touches the ground in a `HapticLoop`: a point. `BallTip` (ball_tip.hpp) is a ball.
+struct PointTip {
+    template <HeightField Field>
+    using Tracker = ProxyTracker<Field>;
+    template <Real T>
+    using Friction = hfh::Friction<T>;
+    template <Real T>
+    using Contact = hfh::Contact<T>;
+};
+
 /// One haptic update from a device's sample to the force on the hand: every piece of the library that stands between the
 /// two, put together in the right order, with a material that can be changed at run time.
 ///
@@ -52,8 +62,9 @@ struct HapticLoopOptions {
 ///     position, newtons            → VirtualCoupling  → `asked()`
 ///     sample, asked, buried        → ForceGuard       → the command
 ///
-/// A round tip, ground beyond the rim and levels of detail are fields (`DilatedField`, `ExtendedField`, `BlendedField`):
-/// the field's type is all that changes. What stands behind the guard (`EnergyTank`) stays outside.
+/// Ground beyond the rim and levels of detail are fields (`ExtendedField`, `BlendedField`): the field's type is all that
+/// changes. A round tip is a `HapticLoop<Field, BallTip>` with the tracker's radius set. What stands behind the guard
+/// (`EnergyTank`) stays outside.
 ///
 /// Units: the hand's side, which is the sample, the command, `Material` and `GuardLimits`, is in metres and newtons at
 /// the hand; `stylus()` and `contact()` are in metres of terrain. The scale of the workspace changes what the terrain's
@@ -85,10 +96,13 @@ struct HapticLoopOptions {
 ///
 /// Keeps a pointer to the field, which must outlive it; its heights may change between updates. Does not throw and does
 /// not allocate. Use it from one thread at a time.
-template <HeightField Field>
+template <HeightField Field, class Tip = PointTip>
 class HapticLoop {
 public:
     using Scalar = typename Field::Scalar;
+    using Tracker = typename Tip::template Tracker<Field>;
+    using TipFriction = typename Tip::template Friction<Scalar>;
+    using TipContact = typename Tip::template Contact<Scalar>;
 
     explicit HapticLoop(const Field& field, const HapticLoopOptions& options = {}) noexcept;
     explicit HapticLoop(const Field&&,
@@ -107,7 +121,7 @@ public:
 
     [[nodiscard]] const vec3<Scalar>& stylus() const noexcept { return stylus_; } ///< metres of terrain
     /// As it is felt: shaded, and held back by friction.
-    [[nodiscard]] const Contact<Scalar>& contact() const noexcept { return contact_; }
+    [[nodiscard]] const TipContact& contact() const noexcept { return contact_; }
     /// Newtons at the hand before the guard: what is felt where there are no motors to guard.
     [[nodiscard]] const glm::dvec3& asked() const noexcept { return asked_; }
     /// What the guard made of it, and why. `newtons` is the command's.
@@ -118,17 +132,17 @@ public:
 
     [[nodiscard]] Workspace<Scalar>& workspace() noexcept { return workspace_; }
     [[nodiscard]] const Workspace<Scalar>& workspace() const noexcept { return workspace_; }
-    [[nodiscard]] ProxyTracker<Field>& tracker() noexcept { return tracker_; }
-    [[nodiscard]] const ProxyTracker<Field>& tracker() const noexcept { return tracker_; }
-    [[nodiscard]] Friction<Scalar>& friction() noexcept { return friction_; }
-    [[nodiscard]] const Friction<Scalar>& friction() const noexcept { return friction_; }
+    [[nodiscard]] Tracker& tracker() noexcept { return tracker_; }
+    [[nodiscard]] const Tracker& tracker() const noexcept { return tracker_; }
+    [[nodiscard]] TipFriction& friction() noexcept { return friction_; }
+    [[nodiscard]] const TipFriction& friction() const noexcept { return friction_; }
     [[nodiscard]] ForceGuard& guard() noexcept { return guard_; }
     [[nodiscard]] const ForceGuard& guard() const noexcept { return guard_; }
 
 private:
-    [[nodiscard]] static Friction<Scalar> friction_of(const Material& material) noexcept {
-        return Friction<Scalar>{{.at_rest = static_cast<Scalar>(material.static_friction),
-                                 .sliding = static_cast<Scalar>(material.dynamic_friction)}};
+    [[nodiscard]] static TipFriction friction_of(const Material& material) noexcept {
+        return TipFriction{{.at_rest = static_cast<Scalar>(material.static_friction),
+                            .sliding = static_cast<Scalar>(material.dynamic_friction)}};
     }
     [[nodiscard]] VirtualCoupling coupling_of(const Material& material) const noexcept {
         return VirtualCoupling{{.stiffness = material.stiffness, .lag = lag_}};
@@ -143,9 +157,9 @@ private:
     /// m/s at the hand.
     [[nodiscard]] glm::dvec3 velocity_of(const DeviceSample& sample) noexcept;
 
-    ProxyTracker<Field> tracker_;
+    Tracker tracker_;
     Material material_;
-    Friction<Scalar> friction_;
+    TipFriction friction_;
     VelocityFilter<double> velocity_{};
     double time_ = 0; ///< s: of the last sample that the velocity filter saw
     Workspace<Scalar> workspace_;
@@ -155,19 +169,19 @@ private:
     unsigned clutch_buttons_;
 
     vec3<Scalar> stylus_{Scalar(0)};
-    Contact<Scalar> contact_{};
+    TipContact contact_{};
     glm::dvec3 asked_{0.0};
     GuardedForce force_{};
 };
 
-template <HeightField Field>
-HapticLoop<Field>::HapticLoop(const Field& field, const HapticLoopOptions& options) noexcept
+template <HeightField Field, class Tip>
+HapticLoop<Field, Tip>::HapticLoop(const Field& field, const HapticLoopOptions& options) noexcept
     : tracker_{field, options.tracker}, material_{options.material}, friction_{friction_of(material_)},
       workspace_{options.workspace}, lag_{options.lag}, coupling_{coupling_of(material_)},
       guard_{options.limits}, clutch_buttons_{options.clutch_buttons} {}
 
-template <HeightField Field>
-DeviceCommand HapticLoop<Field>::update(const DeviceSample& sample) noexcept {
+template <HeightField Field, class Tip>
+DeviceCommand HapticLoop<Field, Tip>::update(const DeviceSample& sample) noexcept {
     if (sample.force_refused) tracker_.reset();
     const bool clutch = (sample.buttons & clutch_buttons_) != 0;
     stylus_ = workspace_.update(sample.position, clutch);
@@ -185,24 +199,24 @@ DeviceCommand HapticLoop<Field>::update(const DeviceSample& sample) noexcept {
     return {force_.newtons};
 }
 
-template <HeightField Field>
-auto HapticLoop<Field>::newtons_on_terrain(const DeviceSample& sample) noexcept -> vec3<Scalar> {
+template <HeightField Field, class Tip>
+auto HapticLoop<Field, Tip>::newtons_on_terrain(const DeviceSample& sample) noexcept -> vec3<Scalar> {
     const ForceEvaluator<Scalar> spring{.stiffness = workspace_.terrain_stiffness(material_.stiffness)};
     if (!has_damping()) return spring(contact_).newtons;
     const Damping<Scalar> damping{.along_normal = workspace_.terrain_stiffness(material_.damping)};
     return damping(spring, contact_, workspace_.velocity_on_terrain(velocity_of(sample))).newtons;
 }
 
-template <HeightField Field>
-glm::dvec3 HapticLoop<Field>::velocity_of(const DeviceSample& sample) noexcept {
+template <HeightField Field, class Tip>
+glm::dvec3 HapticLoop<Field, Tip>::velocity_of(const DeviceSample& sample) noexcept {
     if (sample.has_velocity) return sample.velocity;
     const double seconds = sample.time - time_;
     time_ = sample.time;
     return velocity_.update(sample.position, seconds);
 }
 
-template <HeightField Field>
-void HapticLoop<Field>::set_material(const Material& material) noexcept {
+template <HeightField Field, class Tip>
+void HapticLoop<Field, Tip>::set_material(const Material& material) noexcept {
     const auto anchor = friction_.state();
     const bool is_as_stiff = material.stiffness == material_.stiffness;
     material_ = material;
@@ -212,8 +226,8 @@ void HapticLoop<Field>::set_material(const Material& material) noexcept {
     if (!has_damping()) velocity_.reset();
 }
 
-template <HeightField Field>
-void HapticLoop<Field>::reset() noexcept {
+template <HeightField Field, class Tip>
+void HapticLoop<Field, Tip>::reset() noexcept {
     tracker_.reset();
     friction_.reset();
     velocity_.reset();

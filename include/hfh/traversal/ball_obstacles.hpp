@@ -23,6 +23,12 @@
 
 namespace hfh::detail {
 
+/// What rounding makes of the distance of a ball from the surface, in metres.
+[[nodiscard]] inline double ball_rounding(const glm::dvec3& centre, double radius) noexcept {
+    const double size = glm::max(glm::max(std::abs(centre.x), std::abs(centre.y)), std::abs(centre.z));
+    return 1e-12 * radius + 2 * epsilon<double> * size;
+}
+
 /// A place that keeps a ball away.
 struct BallObstacle {
     glm::dvec3 normal{0, 0, 1}; ///< unit

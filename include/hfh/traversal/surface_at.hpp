@@ -53,6 +53,13 @@ template <HeightField Field>
     return widen(*patch).height(lattice.u_of(x, cell.i), lattice.v_of(y, cell.j));
 }
 
+/// Which side of the surface a point is on, vertically; none where there is no surface over or under it.
+template <HeightField Field>
+[[nodiscard]] Side side_of(const Field& field, const glm::dvec3& at) noexcept {
+    const auto height = height_over(field, at.x, at.y);
+    return !height ? Side::none : at.z < *height ? Side::below : Side::above;
+}
+
 /// The mean normal of the patches that meet at a point, and whether there are as many as cells.
 struct MeanNormal {
     glm::dvec3 normal{0, 0, 1};

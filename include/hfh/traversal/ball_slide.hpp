@@ -1,0 +1,361 @@
+#ifndef HFH_TRAVERSAL_BALL_SLIDE_HPP
+#define HFH_TRAVERSAL_BALL_SLIDE_HPP
+
+#include <hfh/traversal/ball_obstacles.hpp>
+#include <hfh/traversal/ball_sweep.hpp>
+#include <hfh/traversal/surface_at.hpp>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include <cmath>
+#include <limits>
+
+// A ball slides over the surface to where its centre is nearest to a target, step by step.
+//
+//     minimise ½ |c − target|²  subject to  |c − q| ≥ r for all obstacles q
+//
+// A step of first order goes to the nearest point of the polyhedron that the obstacles leave. One of second order takes into
+// account how their normals turn: H = I − Σ share·∇²|c − q| in place of I. Without that the centre would go to and fro where the
+// ground is bent. After a step the ball is pushed clear, and the step counts only if the centre is nearer then.
+//
+// Based on: Ruspini, Kolarov and Khatib, The Haptic Display of Complex Graphical Environments (1997), for the polyhedron;
+// Nocedal and Wright, Numerical Optimization (2006), ch. 18, for steps of second order.
+
+namespace hfh::detail {
+
+/// How a slide ended.
+enum class BallSlideEnd : unsigned char {
+    minimum,   ///< no step leads nearer to the target, and the ball touches
+    at_target, ///< the centre is at the target
+    off_rim,   ///< the ball has got round a rim of a solid and would be below it
+    step_limit ///< of steps, or of patches and blocks
+};
+
+/// What a slide is about.
+struct BallOnSurface {
+    double radius;       ///< metres
+    SurfaceKind surface; ///< a solid ends contact where the ball has got round a rim
+    Side side;           ///< the side of the surface that the ball is on; none: beside it
+};
+
+/// A ball on its way, and what is around it. `run` goes on from where the last one ended.
+template <HeightField Field>
+class BallSlide {
+public:
+    /// At most so many patches and blocks are looked at.
+    BallSlide(const Field& field, const BallOnSurface& ball, const glm::dvec3& centre,
+              Index max_work) noexcept
+        : field_{&field}, ball_{ball}, centre_{centre}, work_{max_work},
+          looks_{BallObstacles<Field>{field, ball.surface}, BallObstacles<Field>{field, ball.surface}} {}
+
+    [[nodiscard]] const glm::dvec3& centre() const noexcept { return centre_; }
+    [[nodiscard]] Side side() const noexcept { return ball_.side; }
+    [[nodiscard]] Index work_left() const noexcept { return work_; }
+    [[nodiscard]] const BallObstacles<Field>& around() const noexcept { return looks_[now_]; }
+    /// What holds the ball: which obstacles of `around`, and how the way to the target is shared among their normals.
+    [[nodiscard]] const PolyhedronPoint& held() const noexcept { return move_.held; }
+    /// It has touched something on its way.
+    [[nodiscard]] bool touched() const noexcept { return touched_; }
+
+    /// Looks around, so far that the ball may go `margin` metres before the next look. False if that is too much work.
+    [[nodiscard]] bool look(double margin) noexcept {
+        return looks_[now_].look(centre_, ball_.radius, margin, work_);
+    }
+    /// Whether the surface was raised under the ball, so that they overlap.
+    [[nodiscard]] bool overlaps() const noexcept {
+        return is_on_wrong_side(centre_) || around().smallest_gap() < -1e-6 * ball_.radius;
+    }
+    /// Lifts the ball (felt from below: lowers it) until it is clear. False where it cannot.
+    [[nodiscard]] bool lift() noexcept;
+
+    /// Slides to the minimum, after a look. `touched`: it goes on in contact; else it goes straight for the target until it
+    /// touches. With friction it stops where the part of target − centre across what holds the ball is no more than `friction` times
+    /// the part against it.
+    [[nodiscard]] BallSlideEnd run(const glm::dvec3& target, bool touched, int max_steps,
+                                   double friction = 0) noexcept;
+
+private:
+    /// Where the centre is to go from where it is: steps, in metres.
+    struct Move {
+        glm::dvec3 second{0.0}; ///< of second order
+        glm::dvec3 first{0.0};  ///< of first order: keeps all half-spaces
+        PolyhedronPoint held{}; ///< what holds the ball, if it touches
+        double wanted = 0;      ///< how far the step would go if nothing else were in the way, in metres
+        bool touches = false;
+        /// Where the distance is highest here: directions, across each other, along which it falls to both sides.
+        glm::dvec3 crests[2]{glm::dvec3{0.0}, glm::dvec3{0.0}};
+        int crest_count = 0;
+        bool arrived = false; ///< touches, and the step is below what can be resolved
+    };
+    /// How a try to make a move ended.
+    enum class MoveEnd : unsigned char {
+        moved,
+        no_nearer, ///< no part of the step leads nearer
+        off_rim,
+        work_limit
+    };
+
+    [[nodiscard]] double widest() const noexcept { return widest_margin(*field_, ball_.radius); }
+    /// What rounding makes of a distance from the centre, in metres.
+    [[nodiscard]] double rounding_at(const glm::dvec3& centre) const noexcept {
+        return ball_rounding(centre, ball_.radius);
+    }
+    /// A step that is shorter cannot be told from none.
+    [[nodiscard]] double shortest_step(const glm::dvec3& target) const noexcept {
+        return 1e-9 * glm::distance(centre_, target) + epsilon<double> * ball_.radius;
+    }
+    [[nodiscard]] bool is_on_wrong_side(const glm::dvec3& at) const noexcept {
+        const Side here = side_of(*field_, at);
+        if (ball_.side == Side::none) return ball_.surface == SurfaceKind::solid && here == Side::below;
+        return here != Side::none && here != ball_.side;
+    }
+
+    [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
+    /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
+    void plan_second_step(const glm::dvec3& way, Move& move) const noexcept;
+    [[nodiscard]] MoveEnd make_move(const glm::dvec3& target, const Move& move) noexcept;
+    /// Takes a step, pushes the ball clear, and keeps that if the centre is nearer then. `wanted`: how far it would go if it could.
+    [[nodiscard]] MoveEnd try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept;
+    /// From where the distance is highest along a step: takes it, and goes on from there until the centre is nearer.
+    [[nodiscard]] bool leave_crest(const glm::dvec3& target, const glm::dvec3& aside) noexcept;
+    /// Moves a centre away from what the ball overlaps there, and looks around. False where it cannot.
+    [[nodiscard]] bool push_clear(glm::dvec3& centre, double margin) noexcept;
+    /// Around a centre that is tried.
+    [[nodiscard]] BallObstacles<Field>& ahead() noexcept { return looks_[1 - now_]; }
+    void move_to(const glm::dvec3& centre, double step) noexcept {
+        centre_ = centre;
+        last_step_ = step;
+        now_ = 1 - now_;
+    }
+
+    const Field* field_;
+    BallOnSurface ball_;
+    glm::dvec3 centre_;
+    double last_step_ = std::numeric_limits<double>::max();
+    Index work_;
+    bool touched_ = false;
+    Move move_{};
+    BallObstacles<Field> looks_[2];
+    int now_ = 0;
+};
+
+template <HeightField Field>
+BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int max_steps,
+                                   double friction) noexcept {
+    touched_ = touched;
+    for (int step = 0;; ++step) {
+        if (centre_ == target) return BallSlideEnd::at_target;
+        move_ = plan(target, friction);
+        touched_ = touched_ || move_.touches;
+        if (move_.arrived && move_.crest_count == 0) return BallSlideEnd::minimum;
+        if (step >= max_steps) return BallSlideEnd::step_limit;
+        switch (make_move(target, move_)) {
+        case MoveEnd::moved: break;
+        case MoveEnd::off_rim: return BallSlideEnd::off_rim;
+        case MoveEnd::work_limit: return BallSlideEnd::step_limit;
+        // None leads nearer: arrived, as far as roundings tell.
+        case MoveEnd::no_nearer: return move_.touches ? BallSlideEnd::minimum : BallSlideEnd::step_limit;
+        }
+    }
+}
+
+template <HeightField Field>
+auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noexcept -> Move {
+    const glm::dvec3 way = target - centre_;
+    const double left = glm::length(way), near = rounding_at(centre_) + 1e-9 * ball_.radius;
+    Move move;
+    for (const auto& obstacle : around())
+        move.touches = move.touches || (obstacle.gap <= near && glm::dot(obstacle.normal, way) < 0);
+    if (!touched_ && !move.touches) {
+        const glm::dvec3 step = glm::min(around().margin() / left, 1.0) * way;
+        const double part = around().clear_part(step, 0);
+        move.first = move.second = part < 1 ? part * step : step;
+        move.wanted = left;
+        return move;
+    }
+    move.held = around().nearest_to(way, 1e-14 * (left + ball_.radius));
+    move.first = move.held.step;
+    plan_second_step(way, move);
+    if (friction > 0 && move.touches) {
+        const double across = glm::length(move.first), against = glm::distance(move.first, way);
+        move.crest_count = 0;
+        move.arrived = across <= friction * against * (1 + 1e-9);
+        const double part = move.arrived ? 0 : 1 - friction * against / across;
+        move.first *= part, move.second *= part, move.wanted *= part;
+    } else {
+        move.arrived = move.touches && glm::length(move.second) <= shortest_step(target);
+    }
+    return move;
+}
+
+template <HeightField Field>
+void BallSlide<Field>::plan_second_step(const glm::dvec3& way, Move& move) const noexcept {
+    constexpr double flattest = 0.02; // of what the distance is bent by in free space
+    const PolyhedronPoint& held = move.held;
+    move.second = move.first;
+    move.wanted = glm::length(move.first);
+    if (held.count == 0 || held.count == 3) return;
+    // Minimise ½ sᵀHs − way·s on the planes that hold the ball, with H = I − Σ share·∇²distance.
+    glm::dmat3 hessian{1.0};
+    for (int k = 0; k < held.count; ++k) {
+        const auto& obstacle = around()[held.faces[k]];
+        hessian -= held.shares[k] * around().turn(centre_, obstacle);
+    }
+    const auto& face = around()[held.faces[0]];
+    const glm::dvec3 n = face.normal;
+    glm::dvec3 base = -face.gap * n, step;
+    if (held.count == 2) {
+        const auto& other = around()[held.faces[1]];
+        const double c = glm::dot(n, other.normal), det = 1 - c * c;
+        base = ((c * other.gap - face.gap) * n + (c * face.gap - other.gap) * other.normal) / det;
+        const glm::dvec3 along = glm::normalize(glm::cross(n, other.normal));
+        const double bend = glm::dot(along, hessian * along);
+        if (bend < -1e-6) move.crests[move.crest_count++] = along;
+        if (!(bend > flattest)) return;
+        step = base + glm::dot(along, way - hessian * base) / bend * along;
+    } else {
+        const glm::dvec3 axis = std::abs(n.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0};
+        const glm::dvec3 a = glm::normalize(glm::cross(n, axis)), b = glm::cross(n, a);
+        const glm::dvec3 ha = hessian * a, hb = hessian * b, rest = way - hessian * base;
+        const double aa = glm::dot(a, ha), ab = glm::dot(a, hb), bb = glm::dot(b, hb);
+        const double mean = (aa + bb) / 2, apart = (aa - bb) / 2, spread = std::sqrt(apart * apart + ab * ab);
+        if (mean - spread < -1e-6) {
+            // The vector of the smaller bend.
+            const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
+            const double size = std::sqrt(x * x + y * y);
+            const glm::dvec3 most = size > 0 ? (x * a + y * b) / size : a;
+            move.crests[move.crest_count++] = most;
+            if (mean + spread < -1e-6) move.crests[move.crest_count++] = glm::cross(n, most);
+        }
+        if (!(mean - spread > flattest)) return;
+        const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
+        step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
+    }
+    const double clear = around().clear_part(step, 1e-12 * ball_.radius);
+    if (clear > 0.25) {
+        move.second = clear * step;
+        move.wanted = glm::length(step);
+    }
+}
+
+template <HeightField Field>
+auto BallSlide<Field>::make_move(const glm::dvec3& target, const Move& move) noexcept -> MoveEnd {
+    const double least = shortest_step(target);
+    MoveEnd end = MoveEnd::no_nearer;
+    if (move.arrived) {
+        for (int k = 0; k < move.crest_count; ++k) {
+            const glm::dvec3 aside = ball_.radius / 16 * move.crests[k];
+            if (leave_crest(target, aside) || leave_crest(target, -aside)) return MoveEnd::moved;
+        }
+        return MoveEnd::no_nearer;
+    }
+    end = try_step(target, move.second, move.wanted);
+    if (end == MoveEnd::no_nearer && move.second != move.first)
+        end = try_step(target, move.first, glm::length(move.first));
+    glm::dvec3 step = move.first;
+    const double most = around().margin();
+    if (const double size = glm::length(step); size > most) step *= most / size;
+    for (int halving = 0; halving < 16 && end == MoveEnd::no_nearer; ++halving) {
+        step /= 2.0;
+        if (!(glm::length(step) > least)) break;
+        end = try_step(target, step, 2 * glm::length(step));
+    }
+    return end;
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::leave_crest(const glm::dvec3& target, const glm::dvec3& aside) noexcept {
+    const double size = glm::length(aside), margin = 8 * size, before = glm::distance(centre_, target);
+    BallSlide trial = *this;
+    glm::dvec3 next = centre_ + aside;
+    if (is_on_wrong_side(next) || !trial.ahead().look(next, ball_.radius, margin, trial.work_) ||
+        !trial.push_clear(next, margin))
+        return false;
+    trial.move_to(next, size);
+    for (int step = 0; step < 4; ++step) {
+        const Move move = trial.plan(target, 0);
+        if (move.arrived || trial.try_step(target, move.first, move.wanted) != MoveEnd::moved) return false;
+        if (glm::distance(trial.centre_, target) < before * (1 - 1e-12)) {
+            *this = trial;
+            return true;
+        }
+    }
+    return false;
+}
+
+template <HeightField Field>
+auto BallSlide<Field>::try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept
+    -> MoveEnd {
+    const double size = glm::length(step), most = around().margin(), length = glm::min(size, most);
+    const glm::dvec3 way = target - centre_;
+    glm::dvec3 next = size > most                               ? centre_ + most / size * step
+                      : size == glm::length(way) && step == way ? target
+                                                                : centre_ + step;
+    // In so short a step it cannot have gone through the surface, but round a rim.
+    const bool is_round_rim = is_on_wrong_side(next);
+    if (is_round_rim && length > ball_.radius / 2) return MoveEnd::no_nearer;
+    if (is_round_rim && ball_.surface == SurfaceKind::solid) return MoveEnd::off_rim;
+    // As far as the ball may go from there: the rest of the step, or what a step of second order leaves.
+    const double left = glm::max(wanted - length, length / 4);
+    const double margin = glm::clamp(1.25 * left, ball_.radius / 64, widest());
+    if (!ahead().look(next, ball_.radius, margin, work_)) return MoveEnd::work_limit;
+    if (!(ahead().smallest_gap() > -ball_.radius / 2)) return MoveEnd::no_nearer;
+    if (!push_clear(next, margin)) return work_ > 0 ? MoveEnd::no_nearer : MoveEnd::work_limit;
+    const glm::dvec3 rest = target - next;
+    const double before = glm::dot(way, way), after = glm::dot(rest, rest);
+    const bool falls = after < before * (1 - 4 * epsilon<double>);
+    // Nearer than the distance tells: the step gets shorter each time.
+    const bool settles = length * length <= 1e-12 * before && length < last_step_ / 2 &&
+                         after <= before * (1 + 4 * epsilon<double>);
+    if (!falls && !settles) return MoveEnd::no_nearer;
+    if (is_round_rim) ball_.side = side_of(*field_, next);
+    move_to(next, length);
+    return MoveEnd::moved;
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::push_clear(glm::dvec3& centre, double margin) noexcept {
+    BallObstacles<Field>& around = ahead();
+    for (int turn = 0; turn < 12; ++turn) {
+        if (around.smallest_gap() >= -rounding_at(centre)) return true;
+        const auto held = around.nearest_to(glm::dvec3{0.0}, 1e-15 * ball_.radius);
+        if (!held.found || !(glm::length(held.step) <= ball_.radius)) return false;
+        centre += held.step;
+        if (!around.look(centre, ball_.radius, margin, work_)) return false;
+    }
+    return around.smallest_gap() >= -1e-10 * ball_.radius - rounding_at(centre);
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::lift() noexcept {
+    const double sign = ball_.side == Side::below ? -1 : 1;
+    const Lattice lattice = field_->lattice();
+    const CellRange cells = field_->cells();
+    const auto cell_of = [](double w, Index begin, Index end) {
+        return static_cast<Index>(
+            glm::clamp(std::floor(w), static_cast<double>(begin), static_cast<double>(end)));
+    };
+    const double radius = ball_.radius;
+    const glm::dvec3 c = centre_;
+    const Cell begin{cell_of(lattice.u_of(c.x - radius, 0) - 1, cells.begin.i, cells.end.i),
+                     cell_of(lattice.v_of(c.y - radius, 0) - 1, cells.begin.j, cells.end.j)};
+    const Cell last{cell_of(lattice.u_of(c.x + radius, 0) + 1, cells.begin.i, cells.end.i - 1),
+                    cell_of(lattice.v_of(c.y + radius, 0) + 1, cells.begin.j, cells.end.j - 1)};
+    double top = sign * c.z;
+    for (Index j = begin.j; j <= last.j; ++j) {
+        for (Index i = begin.i; i <= last.i; ++i) {
+            if (const auto patch = field_->patch({i, j}))
+                top = glm::max(top, widen(sign > 0 ? patch->highest() : -patch->lowest()));
+        }
+    }
+    const glm::dvec3 from{c.x, c.y, sign * (top + radius * (1 + 1e-6) + 1e-9 * std::abs(top))};
+    const auto down = first_touch(*field_, from, c, radius, SurfaceKind::sheet);
+    if (down.status != BallSweepStatus::touch) return false;
+    centre_ = from + down.t * (c - from);
+    return true;
+}
+
+} // namespace hfh::detail
+
+#endif // HFH_TRAVERSAL_BALL_SLIDE_HPP
