@@ -21,66 +21,92 @@ struct Flow {
     int steps = 0;
 };
 
-/// The centre of a ball at `centre`, which is clear, on its way to the stylus, in explicit steps of at most r/50. Each step
-/// goes along F = stylus − centre as far as the half-spaces of all that is near let it, is pushed clear, and is halved until
-/// the distance to the stylus falls. Ends where what is left of F is 10⁻⁸ of it, or shorter than roundings.
+/// The gradient flow of a ball's centre, in explicit steps of at most r/50. Each step goes along F = stylus − centre as far as
+/// the half-spaces of all that is near let it, is pushed clear, and is halved until the distance to the stylus falls.
 template <Real T>
-[[nodiscard]] Flow flow_of_ball(const BallSurface<T>& ground, Point centre, const Point& stylus, Wide radius,
-                                SurfaceKind kind, int max_steps = 20000) {
-    const Wide longest = radius / 50, tiny = 1e-13L * (radius + largest_coordinate(stylus));
-    Flow flow{FlowEnd::stuck, centre, 0};
-    Wide part = 0.5L;
-    for (; flow.steps < max_steps; ++flow.steps) {
-        const Point force = stylus - flow.centre;
-        const Wide depth = length(force);
-        if (depth <= tiny) {
-            flow.end = FlowEnd::arrived;
-            return flow;
-        }
-        std::vector<HalfSpace> near, touching;
-        bool rims_alone = true;
-        for (const BallFoot& foot : ground.feet(flow.centre, radius + 2 * longest)) {
-            near.push_back({foot.normal(), radius - foot.distance});
-            if (foot.distance > radius * (1 + 1e-10L) + tiny) continue;
-            touching.push_back({foot.normal(), 0});
-            const bool pulls = dot(foot.normal(), force) < 0;
-            if (pulls && !(ground.on_rim(foot.at) && kind == SurfaceKind::solid)) rims_alone = false;
-        }
-        const auto along = nearest_in(touching, force);
-        if (!along) return flow;
-        if (!touching.empty() && rims_alone && force.z > 0 && along->count > 0) {
-            flow.end = FlowEnd::rim;
-            return flow;
-        }
-        if (length(along->at) <= 1e-8L * depth + tiny) {
-            flow.end = FlowEnd::minimum;
-            return flow;
-        }
-        bool moved = false;
-        part = std::min(part * 2, Wide(1));
-        for (; !moved && part > 1e-12L; part /= 2) {
-            auto step = nearest_in(near, part * force);
-            if (!step) return flow;
-            const Wide far = length(step->at);
-            if (far > longest) {
-                part *= longest / far;
-                step = nearest_in(near, part * force);
-                if (!step) return flow;
-                if (length(step->at) > 1.01L * longest) continue;
+class BallFlow {
+public:
+    BallFlow(const BallSurface<T>& ground, const Point& stylus, Wide radius, SurfaceKind kind)
+        : ground_{&ground}, stylus_{stylus}, radius_{radius}, kind_{kind}, longest_{radius / 50},
+          tiny_{1e-13L * (radius + largest_coordinate(stylus))} {}
+
+    /// From a centre that is clear. Ends where what is left of F is 10⁻⁸ of it, or shorter than roundings.
+    [[nodiscard]] Flow operator()(const Point& start, int max_steps) {
+        Flow flow{FlowEnd::stuck, start, 0};
+        for (; flow.steps < max_steps; ++flow.steps) {
+            const Point force = stylus_ - flow.centre;
+            const Wide depth = length(force);
+            if (depth <= tiny_) {
+                flow.end = FlowEnd::arrived;
+                return flow;
             }
-            const auto to = ground.pushed_clear(flow.centre + step->at, radius);
-            if (!to || !(length(*to - stylus) < depth)) continue;
-            flow.centre = *to;
-            moved = true;
-            break;
+            look(flow.centre, force);
+            const auto along = nearest_in(touching_, force);
+            if (!along) return flow;
+            if (kind_ == SurfaceKind::solid && rims_alone_ && along->count > 0 && force.z > 0) {
+                flow.end = FlowEnd::rim;
+                return flow;
+            }
+            const Wide left = length(along->at);
+            if (left <= 1e-8L * depth + tiny_) {
+                flow.end = FlowEnd::minimum;
+                return flow;
+            }
+            if (!step(flow.centre)) {
+                // Nothing falls by more than roundings.
+                if (left <= 1e-5L * depth + 100 * tiny_) flow.end = FlowEnd::minimum;
+                return flow;
+            }
         }
-        if (!moved) {
-            // Nothing falls by more than roundings.
-            flow.end = length(along->at) <= 1e-5L * depth + 100 * tiny ? FlowEnd::minimum : FlowEnd::stuck;
-            return flow;
+        return flow;
+    }
+
+private:
+    /// What is near, what touches, and whether all that pulls is a rim.
+    void look(const Point& centre, const Point& force) {
+        near_.clear();
+        touching_.clear();
+        rims_alone_ = true;
+        for (const BallFoot& foot : ground_->feet(centre, radius_ + 2 * longest_)) {
+            near_.push_back({foot.normal(), radius_ - foot.distance});
+            if (foot.distance > radius_ * (1 + 1e-10L) + tiny_) continue;
+            touching_.push_back({foot.normal(), 0});
+            if (dot(foot.normal(), force) < 0 && !ground_->on_rim(foot.at)) rims_alone_ = false;
         }
     }
-    return flow;
+    /// One step; false if no part of it leads nearer.
+    [[nodiscard]] bool step(Point& centre) {
+        const Point force = stylus_ - centre;
+        for (part_ = std::min(part_ * 2, Wide(1)); part_ > 1e-12L; part_ /= 2) {
+            auto way = nearest_in(near_, part_ * force);
+            if (!way) return false;
+            if (const Wide far = length(way->at); far > longest_) {
+                part_ *= longest_ / far;
+                way = nearest_in(near_, part_ * force);
+                if (!way) return false;
+                if (length(way->at) > 1.01L * longest_) continue;
+            }
+            const auto to = ground_->pushed_clear(centre + way->at, radius_);
+            if (!to || !(length(*to - stylus_) < length(force))) continue;
+            centre = *to;
+            return true;
+        }
+        return false;
+    }
+
+    const BallSurface<T>* ground_;
+    Point stylus_;
+    Wide radius_;
+    SurfaceKind kind_;
+    Wide longest_, tiny_;
+    Wide part_ = 0.5L; ///< of F in a step
+    std::vector<HalfSpace> near_, touching_;
+    bool rims_alone_ = true;
+};
+template <Real T>
+[[nodiscard]] Flow flow_of_ball(const BallSurface<T>& ground, const Point& centre, const Point& stylus,
+                                Wide radius, SurfaceKind kind, int max_steps = 20000) {
+    return BallFlow<T>{ground, stylus, radius, kind}(centre, max_steps);
 }
 
 /// Whether two places of the centre lie in one basin of the distance to the stylus: near each other, or on the way from the
@@ -134,8 +160,6 @@ public:
         }
         return contact(stylus, flow);
     }
-    /// Whether the last update's flow came to an end.
-    [[nodiscard]] const std::optional<Point>& centre() const { return centre_; }
 
 private:
     [[nodiscard]] BallContact<T> contact(const vec3<T>& stylus, const Flow& flow) const {
