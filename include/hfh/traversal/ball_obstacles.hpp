@@ -197,7 +197,7 @@ void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, co
     }
     const glm::dvec3 own_normal = over < 0 ? -upward : upward;
     const Border border = classify_border(search, cell, foot, own_normal, obstacle.on_rim);
-    if (border == Border::left_out || (solid && obstacle.on_rim && obstacle.normal.z < 0)) return;
+    if (border == Border::left_out) return;
     const double plane_gap = std::abs(over) - radius_;
     if (border == Border::plane) {
         if (solid && over < 0) return;
@@ -226,6 +226,11 @@ auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cel
         if (!search.read(there.cell, patch)) {
             on_rim = true;
             continue;
+        }
+        if (surface_ == SurfaceKind::solid) { // from below it is nothing to touch
+            const glm::dvec3 upward{-patch.slope_u(there.v) / patch.dx, -patch.slope_v(there.u) / patch.dy,
+                                    1};
+            if (glm::dot(upward, foot.offset) > 0) continue;
         }
         // Into the neighbour, along each parameter that has a border here.
         glm::dvec3 down{0.0};
