@@ -266,11 +266,12 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     contact.radius = radius_;
     contact.centre = centre;
     contact.proxy = vec3<Scalar>{centre};
-    contact.normal = vec3<Scalar>{normal};
-    contact.penetration = vec3<Scalar>{share * normal};
-    contact.depth = static_cast<Scalar>(share);
+    const double depth = glm::length(offset);
+    contact.normal = vec3<Scalar>{depth > 0 ? offset / depth : normal};
+    contact.penetration = vec3<Scalar>{offset};
+    contact.depth = static_cast<Scalar>(depth);
     contact.point = foot.point;
-    contact.touches[0] = {foot.point, contact.normal, static_cast<Scalar>(share)};
+    contact.touches[0] = {foot.point, vec3<Scalar>{normal}, static_cast<Scalar>(share)};
     contact.count = 1;
     return true;
 }
@@ -317,6 +318,7 @@ template <HeightField Field>
 auto BallTracker<Field>::set_free(const vec3<Scalar>& stylus) noexcept -> BallContact<Scalar> {
     const glm::dvec3 to = widen(stylus);
     const Side side = detail::side_of(field(), to);
+    if (side == Side::below && options_.surface == SurfaceKind::solid) return leave_at_rim(stylus);
     // Beside the surface, lower than where it touched: it has slid off.
     const auto foot = detail::height_at(field(), state_.foot);
     const bool slid_off = state_.touching() && side == Side::none && foot && to.z < *foot;
