@@ -241,7 +241,8 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const double u = widen(foot.point.u), v = widen(foot.point.v);
     const glm::dvec3 to_foot = patch.foot(u, v).offset, upward = patch.patch().normal(u, v);
     glm::dvec3 normal = state_.side == Side::below ? -upward : upward;
-    if (on_border(foot.point)) {
+    const auto is_inside = [](double w) { return w > 1e-9 && w < 1 - 1e-9; };
+    if (!is_inside(u) || !is_inside(v)) {
         // A ridge, with the stylus over it. Where the stylus lies on it the direction is lost in rounding.
         const double distance = glm::length(to_foot);
         if (!(glm::dot(to_foot, normal) < 0 && distance > radius / 256)) return false;
