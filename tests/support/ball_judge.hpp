@@ -195,6 +195,8 @@ private:
         const auto fault = [&](const char* what, Wide value) {
             if (verdict.fault.empty()) verdict.fault = measured(what, value);
         };
+        if (update.kind == SurfaceKind::solid && found.normal.z < 0 && found.count > 0 && rims_alone(found))
+            fault("held by rims alone from above, by a force with z", static_cast<Wide>(found.normal.z));
         const auto nearest = ground_.nearest(centre, r);
         const Wide overlap = nearest ? r - nearest->distance : Wide(0);
         verdict.penetration = overlap / r;
@@ -227,6 +229,11 @@ private:
         if (gain > 0) fault("nearer nearby, by r times", gain / r);
     }
 
+    [[nodiscard]] bool rims_alone(const BallContact<T>& found) const {
+        bool all = true;
+        for (int n = 0; n < found.count; ++n) all = all && ground_.on_rim(wide(found.touches[n].point));
+        return all;
+    }
     /// Whether all that a ball overlaps lies higher than its centre, as it does where the centre is beside a rim.
     [[nodiscard]] bool seen_from_below(const Point& centre, Wide radius) const {
         bool all = true;

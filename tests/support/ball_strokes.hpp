@@ -151,11 +151,16 @@ private:
         const auto start = judge_.ground().pushed_clear(*now.last_centre, now.radius);
         if (!start) return;
         const Point stylus = wide(now.stylus), centre = centre_of(now.stylus, now.found);
-        const Flow flow = flow_of_ball(judge_.ground(), *start, stylus, now.radius, now.kind, 3000);
-        if (flow.end != FlowEnd::arrived && flow.end != FlowEnd::minimum) return;
-        answer.flowed = true;
-        answer.other_minimum = !in_one_basin(judge_.ground(), flow.centre, centre, stylus, now.radius);
-        flow_end_ = flow.centre;
+        const auto differs = [&](int max_steps, int steps_per_radius) {
+            const Flow flow = flow_of_ball(judge_.ground(), *start, stylus, now.radius, now.kind, max_steps,
+                                           steps_per_radius);
+            if (flow.end != FlowEnd::arrived && flow.end != FlowEnd::minimum) return false;
+            answer.flowed = true;
+            flow_end_ = flow.centre;
+            return !in_one_basin(judge_.ground(), flow.centre, centre, stylus, now.radius);
+        };
+        // Where ways part, shorter steps tell which the flow takes.
+        answer.other_minimum = differs(3000, 50) && differs(20000, 400);
     }
     [[nodiscard]] static std::string point(const Point& p) {
         return digits(

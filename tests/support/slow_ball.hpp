@@ -21,13 +21,13 @@ struct Flow {
     int steps = 0;
 };
 
-/// The gradient flow of a ball's centre, in explicit steps of at most r/50. Each step goes along F = stylus − centre as far as
+/// The gradient flow of a ball's centre, in explicit steps of at most `longest`. Each step goes along F = stylus − centre as far as
 /// the half-spaces of all that is near let it, is pushed clear, and is halved until the distance to the stylus falls.
 template <Real T>
 class BallFlow {
 public:
-    BallFlow(const BallSurface<T>& ground, const Point& stylus, Wide radius, SurfaceKind kind)
-        : ground_{&ground}, stylus_{stylus}, radius_{radius}, kind_{kind}, longest_{radius / 50},
+    BallFlow(const BallSurface<T>& ground, const Point& stylus, Wide radius, SurfaceKind kind, Wide longest)
+        : ground_{&ground}, stylus_{stylus}, radius_{radius}, kind_{kind}, longest_{longest},
           tiny_{1e-13L * (radius + largest_coordinate(stylus))} {}
 
     /// From a centre that is clear. Ends where what is left of F is 10⁻⁸ of it, or shorter than roundings.
@@ -98,15 +98,17 @@ private:
     Point stylus_;
     Wide radius_;
     SurfaceKind kind_;
-    Wide longest_, tiny_;
+    Wide longest_; ///< step
+    Wide tiny_;
     Wide part_ = 0.5L; ///< of F in a step
     std::vector<HalfSpace> near_, touching_;
     bool rims_alone_ = true;
 };
 template <Real T>
 [[nodiscard]] Flow flow_of_ball(const BallSurface<T>& ground, const Point& centre, const Point& stylus,
-                                Wide radius, SurfaceKind kind, int max_steps = 20000) {
-    return BallFlow<T>{ground, stylus, radius, kind}(centre, max_steps);
+                                Wide radius, SurfaceKind kind, int max_steps = 20000,
+                                int steps_per_radius = 50) {
+    return BallFlow<T>{ground, stylus, radius, kind, radius / steps_per_radius}(centre, max_steps);
 }
 
 /// Whether two places of the centre lie in one basin of the distance to the stylus: near each other, or on the way from the
