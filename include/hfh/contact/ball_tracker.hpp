@@ -215,7 +215,7 @@ constexpr void BallTracker<Field>::hand_to_point() noexcept {
 template <HeightField Field>
 auto BallTracker<Field>::begin(const vec3<Scalar>& stylus) noexcept -> BallContact<Scalar> {
     const glm::dvec3 to = widen(stylus);
-    detail::BallObstacles<Field> around{field(), SurfaceKind::sheet}; // from below as well
+    detail::BallObstacles<Field> around{field()};
     Index work = work_allowed();
     const bool clear = around.look(to, widen(radius_), 0, work) && around.smallest_gap() >= 0;
     const Side side = detail::side_of(field(), to);
@@ -358,7 +358,7 @@ auto BallTracker<Field>::go_on_later(const vec3<Scalar>& stylus, const Slide& sl
     auto contact = make_contact(slide, ContactStatus::descent_limit);
     state_.phase = Phase::sliding;
     // A stylus at which the ball is clear is not pulled back to the surface.
-    detail::BallObstacles<Field> there{field(), options_.surface};
+    detail::BallObstacles<Field> there{field()};
     Index work = std::numeric_limits<Index>::max();
     const Side side = detail::side_of(field(), state_.stylus);
     const bool covered = side != Side::none && side != state_.side;

@@ -37,6 +37,7 @@ struct BallObstacle {
     double distance = 0;          ///< of the point from the centre, in metres
     SurfacePoint<double> point{}; ///< where it is
     bool on_rim = false;          ///< a cell that meets at the point has no patch
+    bool from_below = false;      ///< the ball is below the patches that meet at the point
     bool is_plane = false;        ///< the plane of a patch and not the point itself: see `BallObstacles`
 
     [[nodiscard]] HalfSpace half_space() const noexcept { return {normal, -gap}; }
@@ -81,7 +82,7 @@ class BallObstacles {
 public:
     static constexpr int most = 40;
 
-    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{&field}, surface_{surface} {}
+    explicit BallObstacles(const Field& field) noexcept : field_{&field} {}
 
     /// Looks around a ball of this radius: at every patch that comes within radius + margin of the centre. False, and none
     /// are known, if that would be more than `work` patches and blocks. Counts them.
@@ -143,7 +144,6 @@ private:
     [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
 
     const Field* field_;
-    SurfaceKind surface_;
     double radius_ = 0;
     double margin_ = 0;
     int count_ = 0;
@@ -195,20 +195,18 @@ void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, co
                           .gap = distance - radius_,
                           .distance = distance,
                           .point = {cell, foot.u, foot.v}};
-    const bool solid = surface_ == SurfaceKind::solid;
+    obstacle.from_below = over < 0;
     if (!on_border(obstacle.point)) {
-        // From below it is seen through the ground. What lies between keeps the ball away.
-        if (solid && over < 0) return;
         keep(obstacle);
         return;
     }
     const glm::dvec3 own_normal = over < 0 ? -upward : upward;
     const BorderPoint border = classify_border(search, cell, foot, own_normal);
+    if (border.is == Border::left_out) return;
     obstacle.on_rim = border.on_rim;
-    if (border.is == Border::left_out || (solid && !border.on_rim && !border.from_above)) return;
+    obstacle.from_below = !border.from_above;
     const double plane_gap = std::abs(over) - radius_;
     if (border.is == Border::plane) {
-        if (solid && over < 0) return;
         if (plane_gap > obstacle.gap / 4) {
             obstacle.normal = own_normal;
             obstacle.gap = plane_gap;
@@ -237,9 +235,7 @@ auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cel
             continue;
         }
         const glm::dvec3 upward{-patch.slope_u(there.v) / patch.dx, -patch.slope_v(there.u) / patch.dy, 1};
-        const bool is_above = glm::dot(upward, foot.offset) <= 0;
-        point.from_above = point.from_above || is_above;
-        if (surface_ == SurfaceKind::solid && !is_above) continue; // from below there is nothing to touch
+        point.from_above = point.from_above || glm::dot(upward, foot.offset) <= 0;
         // Into the neighbour, along each parameter that has a border here.
         glm::dvec3 down{0.0};
         const auto fall_along = [&](double parameter, const glm::dvec3& partial) {

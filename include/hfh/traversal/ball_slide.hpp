@@ -46,8 +46,9 @@ public:
     /// At most so many patches and blocks are looked at.
     BallSlide(const Field& field, const BallOnSurface& ball, const glm::dvec3& centre,
               Index max_work) noexcept
-        : field_{&field}, ball_{ball}, centre_{centre}, work_{max_work},
-          looks_{BallObstacles<Field>{field, ball.surface}, BallObstacles<Field>{field, ball.surface}} {}
+        : field_{&field}, ball_{ball}, centre_{centre}, work_{max_work}, looks_{BallObstacles<Field>{field},
+                                                                                BallObstacles<Field>{field}} {
+    }
 
     [[nodiscard]] const glm::dvec3& centre() const noexcept { return centre_; }
     [[nodiscard]] Side side() const noexcept { return ball_.side; }
@@ -111,7 +112,7 @@ private:
         return here != Side::none && here != ball_.side;
     }
 
-    /// A solid: nothing holds the ball but rims, and they would push it down.
+    /// A solid: nothing holds the ball but rims and what is over it, and they would push it down.
     [[nodiscard]] bool hangs_on_rim(const glm::dvec3& target) const noexcept;
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
     /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
@@ -169,7 +170,7 @@ bool BallSlide<Field>::hangs_on_rim(const glm::dvec3& target) const noexcept {
     const double near = rounding_at(centre_) + 1e-9 * ball_.radius;
     for (int k = 0; k < move_.held.count; ++k) {
         const BallObstacle& obstacle = around()[move_.held.faces[k]];
-        if (!obstacle.on_rim || obstacle.gap > near) return false;
+        if (!(obstacle.on_rim || obstacle.from_below) || obstacle.gap > near) return false;
     }
     return move_.held.step.z - (target.z - centre_.z) < 0;
 }
@@ -319,9 +320,10 @@ auto BallSlide<Field>::try_step(const glm::dvec3& target, const glm::dvec3& step
     const glm::dvec3 rest = target - next;
     const double before = glm::dot(way, way), after = glm::dot(rest, rest);
     const bool falls = after < before * (1 - 4 * epsilon<double>);
-    // Nearer than the distance tells: the step gets shorter each time.
-    const bool settles = length * length <= 1e-12 * before && length < last_step_ / 2 &&
-                         after <= before * (1 + 4 * epsilon<double>);
+    // Nearer than the distance tells, which is no better than the place where the ball is clear: the step gets shorter each time.
+    const double rounding = 4 * epsilon<double> * before + 2 * std::sqrt(before) * rounding_at(next);
+    const bool settles =
+        length * length <= 1e-10 * before && length < last_step_ / 2 && after <= before + rounding;
     if (!falls && !settles) return MoveEnd::no_nearer;
     if (is_round_rim) ball_.side = side_of(*field_, next);
     move_to(next, length);
@@ -364,7 +366,7 @@ bool BallSlide<Field>::lift() noexcept {
         }
     }
     const glm::dvec3 from{c.x, c.y, sign * (top + radius * (1 + 1e-6) + 1e-9 * std::abs(top))};
-    const auto down = first_touch(*field_, from, c, radius, SurfaceKind::sheet);
+    const auto down = first_touch(*field_, from, c, radius);
     if (down.status != BallSweepStatus::touch) return false;
     centre_ = from + down.t * (c - from);
     return true;

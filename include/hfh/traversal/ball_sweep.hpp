@@ -38,14 +38,14 @@ struct BallSweep {
 };
 
 /// The first place where a ball of `radius` touches the surface while its centre moves from `from` to `to` (world coordinates,
-/// metres). A solid is met from above only; a ball that goes by below it, or a wire of its rim from below, meets nothing.
+/// metres). It is met from either side, and its rims are wires.
 ///
 /// At t a point of the surface is within radius·(1 ± 1e-9) of the centre, and no point comes nearer than radius·(1 − 1e-9)
 /// before; a touch by less may be found or passed over. Computes in double. Does not throw and does not allocate.
 template <HeightField Field>
-[[nodiscard]] BallSweep<typename Field::Scalar>
-first_touch(const Field& field, const glm::dvec3& from, const glm::dvec3& to, double radius,
-            SurfaceKind surface = SurfaceKind::solid, Index max_work = 1'000'000) noexcept;
+[[nodiscard]] BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
+                                                            const glm::dvec3& to, double radius,
+                                                            Index max_work = 1'000'000) noexcept;
 
 namespace detail {
 
@@ -60,8 +60,7 @@ template <HeightField Field>
 
 template <HeightField Field>
 BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
-                                              const glm::dvec3& to, double radius, SurfaceKind surface,
-                                              Index max_work) noexcept {
+                                              const glm::dvec3& to, double radius, Index max_work) noexcept {
     using T = typename Field::Scalar;
     constexpr double touching = 1e-9; // of the radius
     BallSweep<T> result;
@@ -74,7 +73,7 @@ BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dve
     }
     const glm::dvec3 way = to - from;
     const double length = glm::length(way), ends_at = touching * radius;
-    detail::BallObstacles<Field> around{field, surface};
+    detail::BallObstacles<Field> around{field};
     Index work = max_work;
     const auto end = [&](BallSweepStatus status, double t) {
         result.status = status;
