@@ -195,6 +195,7 @@ private:
         const auto fault = [&](const char* what, Wide value) {
             if (verdict.fault.empty()) verdict.fault = measured(what, value);
         };
+        if (found.side == Side::none) fault("in contact from no side", 0);
         if (update.kind == SurfaceKind::solid && found.normal.z < 0 && found.count > 0 && rims_alone(found))
             fault("held by rims alone from above, by a force with z", static_cast<Wide>(found.normal.z));
         const auto nearest = ground_.nearest(centre, r);
