@@ -444,7 +444,7 @@ TEMPLATE_TEST_CASE("ball tracker: a ball of no radius is the point's tracker, to
         for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
             Tracker<T> ball{grid, T(0), {.surface = kind}};
             ProxyTracker<typename Terrain<T>::Grid> point{grid, {.surface = kind}};
-            BallHand<T> hand{ground, 0, 1, 1, 304};
+            BallHand<T> hand{ground, 0, 1, 1, false, 304};
             for (int n = 0; n < 300; ++n) {
                 const auto stylus = hand.next();
                 const auto one = ball.update(stylus);
@@ -474,7 +474,7 @@ TEST_CASE("ball tracker: a tiny ball is near the point's proxy", "[ball]") {
             const double within = r * static_cast<double>(std::sqrt(1 + steepest)) * (1 + 1e-6);
             Tracker<double> ball{grid, r};
             ProxyTracker<Terrain<double>::Grid> point{grid};
-            BallHand<double> hand{ground, r, 0.4, 0.5, 305};
+            BallHand<double> hand{ground, r, 0.4, 0.5, false, 305};
             int apart = 0, felt = 0;
             for (int n = 0; n < 300; ++n) {
                 const auto stylus = hand.next();
@@ -495,8 +495,8 @@ TEST_CASE("ball tracker: two balls on one field do not know of each other", "[ba
     const auto ground = *named_terrain<double>("rough");
     const auto grid = ground.grid();
     Tracker<double> first{grid, 0.5}, second{grid, 2}, alone{grid, 0.5};
-    BallHand<double> one{ground, 0.5, 1, 1, 306}, same_one{ground, 0.5, 1, 1, 306},
-        other{ground, 2, 1, 1, 307};
+    BallHand<double> one{ground, 0.5, 1, 1, false, 306}, same_one{ground, 0.5, 1, 1, false, 306},
+        other{ground, 2, 1, 1, false, 307};
     for (int n = 0; n < 200; ++n) {
         const auto together = first.update(one.next());
         (void)second.update(other.next());
@@ -508,7 +508,7 @@ TEST_CASE("ball tracker: does not allocate", "[ball]") {
     const auto ground = *named_terrain<double>("rough");
     const auto grid = ground.grid();
     Tracker<double> ball{grid, 2};
-    BallHand<double> hand{ground, 2, 2, 2, 308};
+    BallHand<double> hand{ground, 2, 2, 2, false, 308};
     std::size_t asked = 0;
     for (int n = 0; n < 200; ++n) {
         const auto stylus = hand.next();

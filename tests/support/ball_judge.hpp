@@ -67,6 +67,8 @@ public:
             verdict.fault = "not a number";
         } else if (found.touching()) {
             judge_contact(update, verdict);
+            if (verdict.fault.empty() && found.side == Side::none)
+                verdict.fault = "in contact from no side: 0";
         } else {
             judge_freedom(update, verdict);
         }
@@ -195,7 +197,6 @@ private:
         const auto fault = [&](const char* what, Wide value) {
             if (verdict.fault.empty()) verdict.fault = measured(what, value);
         };
-        if (found.side == Side::none) fault("in contact from no side", 0);
         if (update.kind == SurfaceKind::solid && found.normal.z < 0 && found.count > 0 && rims_alone(found))
             fault("held by rims alone from above, by a force with z", static_cast<Wide>(found.normal.z));
         const auto nearest = ground_.nearest(centre, r);
@@ -244,7 +245,7 @@ private:
 
     void judge_side(const BallUpdate<T>& update, const Point& centre, Wide allowed,
                     BallVerdict& verdict) const {
-        if (!verdict.fault.empty()) return;
+        if (!verdict.fault.empty() || update.found.side == Side::none) return;
         const Surface<T>& surface = ground_.surface();
         const auto height = surface.height(centre.x, centre.y);
         const bool from_below = update.kind == SurfaceKind::sheet && update.found.side == Side::below;

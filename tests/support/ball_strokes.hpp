@@ -201,13 +201,15 @@ private:
     mutable Point flow_end_;
 };
 
-/// A hand that ploughs: `step` cells an update, `deep` cells below the ground, and out now and then. Stays a hundredth of a
-/// cell from the rim.
+/// A hand that ploughs: up to `step` cells an update, `deep` cells below the ground, and out now and then. A steady one goes up
+/// and down slowly, another one as it likes. Stays a hundredth of a cell from the rim.
 template <Real T>
 class BallHand {
 public:
-    BallHand(const Terrain<T>& terrain, double radius, double step, double deep, std::uint64_t seed)
-        : terrain_{&terrain}, surface_{terrain}, random_{seed}, radius_{radius}, step_{step}, deep_{deep} {
+    BallHand(const Terrain<T>& terrain, double radius, double step, double deep, bool steady,
+             std::uint64_t seed)
+        : terrain_{&terrain}, surface_{terrain}, random_{seed}, radius_{radius}, step_{step}, deep_{deep},
+          steady_{steady} {
         at_ = {random_.between(0.01, columns() - 0.01), random_.between(0.01, rows() - 0.01)};
         for (const T height : terrain.heights) {
             if (holds_number(height) && std::abs(height) < no_height_from<T>)
@@ -229,10 +231,12 @@ public:
             ground_ = static_cast<double>(*z);
         // Above all at first and sometimes; else below, and now and then out or near the surface.
         const double cell = std::min(f.spacing.x, f.spacing.y);
-        double z = ground_ - deep_ * cell * random_.between(0.5, 1);
+        const double share =
+            steady_ ? 0.75 + 0.25 * std::sin(0.1 * static_cast<double>(updates_)) : random_.between(0.5, 1);
+        double z = ground_ - deep_ * cell * share;
         if (updates_ % 100 == 0)
             z = top_ + radius_ * 1.01 + cell;
-        else if (random_.one_in(10))
+        else if (!steady_ && random_.one_in(10))
             z = ground_ + radius_ * random_.between(0, 2);
         ++updates_;
         return vec3<T>{glm::dvec3{world, z}};
@@ -246,6 +250,7 @@ private:
     Surface<T> surface_;
     Random random_;
     double radius_, step_, deep_;
+    bool steady_;
     glm::dvec2 at_{0.0};
     double heading_ = 0, ground_ = 0, top_ = std::numeric_limits<double>::lowest();
     long updates_ = 0;
@@ -278,13 +283,18 @@ void follow_strokes(const std::string& name, const Terrain<T>& terrain, long upd
         stroke.kind = random.one_in(5) ? SurfaceKind::sheet : SurfaceKind::solid;
         const bool small = random.one_in(2);
         const double step = log_between(random, 0.1, small ? 0.5 : 100), deep = log_between(random, 0.1, 10);
-        BallHand<T> hand{terrain, static_cast<double>(stroke.radius), step, deep,
-                         static_cast<std::uint64_t>(random.whole(1, 1000000000))};
+        BallHand<T> hand{terrain, static_cast<double>(stroke.radius),
+                         step,    deep,
+                         small,   static_cast<std::uint64_t>(random.whole(1, 1000000000))};
         auto tracker = make(terrain, grid, stroke.radius, stroke.kind);
         FollowedBall<T, decltype(tracker)> ball{terrain, stroke, tracker};
+        vec3<T> before{std::numeric_limits<T>::max() / 4};
         for (int n = 0; n < 100 && done < updates; ++n, ++done) {
-            const auto answer = ball.update(
-                hand.next(), {.flow = small && random.one_in(flow_every), .sweep = random.one_in(8)});
+            const vec3<T> stylus = hand.next();
+            const bool near = length(wide(stylus) - wide(before)) <= static_cast<Wide>(cell / 2);
+            before = stylus;
+            const auto answer =
+                ball.update(stylus, {.flow = near && random.one_in(flow_every), .sweep = random.one_in(8)});
             ++tally.updates;
             tally.contacts += answer.found.touching();
             tally.narrow += answer.verdict.narrow;
