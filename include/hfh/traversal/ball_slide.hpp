@@ -112,6 +112,11 @@ private:
         return here != Side::none && here != ball_.side;
     }
 
+    /// The side on which a ball that came from beside the surface touches it.
+    [[nodiscard]] Side touched_side() const noexcept {
+        const bool from_below = around()[move_.held.faces[0]].from_below;
+        return from_below && ball_.surface == SurfaceKind::sheet ? Side::below : Side::above;
+    }
     /// A solid: nothing holds the ball but rims and what is over it, and they would push it down.
     [[nodiscard]] bool hangs_on_rim(const glm::dvec3& target) const noexcept;
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
@@ -152,6 +157,7 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
         move_ = plan(target, friction);
         touched_ = touched_ || move_.touches;
         if (hangs_on_rim(target)) return BallSlideEnd::off_rim;
+        if (ball_.side == Side::none && move_.touches && move_.held.count > 0) ball_.side = touched_side();
         if (move_.arrived && move_.crest_count == 0) return BallSlideEnd::minimum;
         if (step >= max_steps) return BallSlideEnd::step_limit;
         switch (make_move(target, move_)) {
@@ -166,8 +172,8 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
 
 template <HeightField Field>
 bool BallSlide<Field>::hangs_on_rim(const glm::dvec3& target) const noexcept {
-    if (ball_.surface != SurfaceKind::solid || !move_.touches || move_.held.count == 0) return false;
-    const double near = rounding_at(centre_) + 1e-9 * ball_.radius;
+    if (ball_.surface != SurfaceKind::solid || move_.held.count == 0) return false;
+    const double near = ball_.radius / 1024;
     for (int k = 0; k < move_.held.count; ++k) {
         const BallObstacle& obstacle = around()[move_.held.faces[k]];
         if (!(obstacle.on_rim || obstacle.from_below) || obstacle.gap > near) return false;
