@@ -15,6 +15,7 @@
 #include <hfh/force/virtual_coupling.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/loop/any_haptic_loop.hpp>
+#include <hfh/loop/ball_tip.hpp>
 #include <hfh/loop/haptic_loop.hpp>
 #include <hfh/simulation/driven_axis.hpp>
 #include <hfh/simulation/end_stops.hpp>
@@ -87,6 +88,8 @@ template class TripleBuffer<DeviceSample>;
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
     template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
     template class HapticLoop<BilinearGrid<float, HeightView<S>>>;                                           \
+    template class BallTracker<BilinearGrid<float, HeightView<S>>>;                                          \
+    template class HapticLoop<BilinearGrid<double, HeightView<S, MissingValue<S>>>, BallTip>;                \
     template class FieldLoop<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                          \
     template struct SampleRange<S>;                                                                          \
     template class MinMaxPyramid<S>;                                                                         \

@@ -256,9 +256,8 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const double length = glm::length(way);
     const bool farther = glm::dot(offset, offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
     if (!(share > 0) || farther || !(length <= 2 * detail::widest_margin(field(), radius))) return false;
-    if (!detail::rolls_freely(field(), state_.centre, centre, to, normal, radius,
-                              detail::ball_rounding(centre, radius), work))
-        return false;
+    const detail::RollingBall ball{-way, normal, -offset, radius, detail::ball_rounding(centre, radius)};
+    if (!detail::rolls_freely(field(), centre, ball, work)) return false;
     state_.centre = centre;
     state_.stylus = to;
     state_.foot = foot.point;

@@ -76,6 +76,9 @@ public:
     [[nodiscard]] BallSlideEnd run(const glm::dvec3& target, bool touched, int max_steps,
                                    double friction = 0) noexcept;
 
+    /// Slides so many metres towards the target and no farther. False where that ends before, or is not possible.
+    [[nodiscard]] bool glide(const glm::dvec3& target, double length) noexcept;
+
 private:
     /// Where the centre is to go from where it is: steps, in metres.
     struct Move {
@@ -96,6 +99,10 @@ private:
         off_rim,
         work_limit
     };
+
+    // What the distance is bent by along a step, of what it is in free space.
+    static constexpr double flattest = 0.02; ///< for a step of second order
+    static constexpr double crest = -1e-6;   ///< below it, the distance is highest
 
     [[nodiscard]] double widest() const noexcept { return widest_margin(*field_, ball_.radius); }
     /// What rounding makes of a distance from the centre, in metres.
@@ -122,6 +129,11 @@ private:
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
     /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const glm::dvec3& way, Move& move) const noexcept;
+    /// On the line that two planes leave, and on one plane: the step, and the crests. False where the distance is bent up too little.
+    [[nodiscard]] bool step_on_line(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                    glm::dvec3& step) const noexcept;
+    [[nodiscard]] bool step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                     glm::dvec3& step) const noexcept;
     [[nodiscard]] MoveEnd make_move(const glm::dvec3& target, const Move& move) noexcept;
     /// Takes a step, pushes the ball clear, and keeps that if the centre is nearer then. `wanted`: how far it would go if it could.
     [[nodiscard]] MoveEnd try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept;
@@ -171,6 +183,20 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
 }
 
 template <HeightField Field>
+bool BallSlide<Field>::glide(const glm::dvec3& target, double length) noexcept {
+    // The last part is not worth a step of its own.
+    for (double left = length; left > length / 64;) {
+        const glm::dvec3 before = centre_;
+        if (!look(glm::min(left, widest())) || overlaps()) return false;
+        if (run(target, true, 1) != BallSlideEnd::step_limit) return false;
+        const double gone = glm::distance(before, centre_);
+        if (!(gone > length / 1024)) return false;
+        left -= gone;
+    }
+    return true;
+}
+
+template <HeightField Field>
 bool BallSlide<Field>::hangs_on_rim(const glm::dvec3& target) const noexcept {
     if (ball_.surface != SurfaceKind::solid || move_.held.count == 0) return false;
     const double near = ball_.radius / 1024;
@@ -212,7 +238,6 @@ auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noe
 
 template <HeightField Field>
 void BallSlide<Field>::plan_second_step(const glm::dvec3& way, Move& move) const noexcept {
-    constexpr double flattest = 0.02; // of what the distance is bent by in free space
     const PolyhedronPoint& held = move.held;
     move.second = move.first;
     move.wanted = glm::length(move.first);
@@ -220,44 +245,57 @@ void BallSlide<Field>::plan_second_step(const glm::dvec3& way, Move& move) const
     // Minimise ½ sᵀHs − way·s on the planes that hold the ball, with H = I − Σ share·∇²distance.
     glm::dmat3 hessian{1.0};
     for (int k = 0; k < held.count; ++k) {
-        const auto& obstacle = around()[held.faces[k]];
+        const BallObstacle& obstacle = around()[held.faces[k]];
         hessian -= held.shares[k] * around().turn(centre_, obstacle);
     }
-    const auto& face = around()[held.faces[0]];
-    const glm::dvec3 n = face.normal;
-    glm::dvec3 base = -face.gap * n, step;
-    if (held.count == 2) {
-        const auto& other = around()[held.faces[1]];
-        const double c = glm::dot(n, other.normal), det = 1 - c * c;
-        base = ((c * other.gap - face.gap) * n + (c * face.gap - other.gap) * other.normal) / det;
-        const glm::dvec3 along = glm::normalize(glm::cross(n, other.normal));
-        const double bend = glm::dot(along, hessian * along);
-        if (bend < -1e-6) move.crests[move.crest_count++] = along;
-        if (!(bend > flattest)) return;
-        step = base + glm::dot(along, way - hessian * base) / bend * along;
-    } else {
-        const glm::dvec3 axis = std::abs(n.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0};
-        const glm::dvec3 a = glm::normalize(glm::cross(n, axis)), b = glm::cross(n, a);
-        const glm::dvec3 ha = hessian * a, hb = hessian * b, rest = way - hessian * base;
-        const double aa = glm::dot(a, ha), ab = glm::dot(a, hb), bb = glm::dot(b, hb);
-        const double mean = (aa + bb) / 2, apart = (aa - bb) / 2, spread = std::sqrt(apart * apart + ab * ab);
-        if (mean - spread < -1e-6) {
-            // The vector of the smaller bend.
-            const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
-            const double size = std::sqrt(x * x + y * y);
-            const glm::dvec3 most = size > 0 ? (x * a + y * b) / size : a;
-            move.crests[move.crest_count++] = most;
-            if (mean + spread < -1e-6) move.crests[move.crest_count++] = glm::cross(n, most);
-        }
-        if (!(mean - spread > flattest)) return;
-        const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
-        step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
-    }
+    glm::dvec3 step;
+    const bool bends_up =
+        held.count == 2 ? step_on_line(way, hessian, move, step) : step_on_plane(way, hessian, move, step);
+    if (!bends_up) return;
     const double clear = around().clear_part(step, 1e-12 * ball_.radius);
     if (clear > 0.25) {
         move.second = clear * step;
         move.wanted = glm::length(step);
     }
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::step_on_line(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                    glm::dvec3& step) const noexcept {
+    const BallObstacle &one = around()[move.held.faces[0]], &other = around()[move.held.faces[1]];
+    const double c = glm::dot(one.normal, other.normal), det = 1 - c * c;
+    const glm::dvec3 base =
+        ((c * other.gap - one.gap) * one.normal + (c * one.gap - other.gap) * other.normal) / det;
+    const glm::dvec3 along = glm::normalize(glm::cross(one.normal, other.normal));
+    const double bend = glm::dot(along, hessian * along);
+    if (bend < crest) move.crests[move.crest_count++] = along;
+    if (!(bend > flattest)) return false;
+    step = base + glm::dot(along, way - hessian * base) / bend * along;
+    return true;
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                     glm::dvec3& step) const noexcept {
+    const BallObstacle& face = around()[move.held.faces[0]];
+    const glm::dvec3 n = face.normal, base = -face.gap * n;
+    const glm::dvec3 axis = std::abs(n.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0};
+    const glm::dvec3 a = glm::normalize(glm::cross(n, axis)), b = glm::cross(n, a);
+    const glm::dvec3 ha = hessian * a, hb = hessian * b, rest = way - hessian * base;
+    const double aa = glm::dot(a, ha), ab = glm::dot(a, hb), bb = glm::dot(b, hb);
+    const double mean = (aa + bb) / 2, apart = (aa - bb) / 2, spread = std::sqrt(apart * apart + ab * ab);
+    if (mean - spread < crest) {
+        // The vector of the smaller bend, and of the larger.
+        const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
+        const double size = std::sqrt(x * x + y * y);
+        const glm::dvec3 lowest = size > 0 ? (x * a + y * b) / size : a;
+        move.crests[move.crest_count++] = lowest;
+        if (mean + spread < crest) move.crests[move.crest_count++] = glm::cross(n, lowest);
+    }
+    if (!(mean - spread > flattest)) return false;
+    const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
+    step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
+    return true;
 }
 
 template <HeightField Field>
