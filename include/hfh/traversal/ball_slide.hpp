@@ -111,7 +111,7 @@ private:
     }
     /// A step that is shorter cannot be told from none.
     [[nodiscard]] double shortest_step(const glm::dvec3& target) const noexcept {
-        return 1e-9 * glm::distance(centre_, target) + epsilon<double> * ball_.radius;
+        return 1e-9 * glm::min(glm::distance(centre_, target), ball_.radius) + rounding_at(centre_);
     }
     [[nodiscard]] bool is_on_wrong_side(const glm::dvec3& at) const noexcept {
         const Side here = side_of(*field_, at);
