@@ -1,11 +1,12 @@
 // The promises of the library at full count, with a line for each. Oracles as in the tests, which run a sample:
 //
 //     hfh_certify PART SCALAR SHARE      PART closest_point, steps, nearest, descent, flow, first_hit, tracker,
-//                                        limited, flat or all
+//                                        ball, limited, flat or all
 //                                        SCALAR float or double, SHARE of the full count, 1 for all of it
 //
 // Exits with 1 if a promise was broken.
 
+#include "support/ball_strokes.hpp"
 #include "support/brute_force_hit.hpp"
 #include "support/hard_ground.hpp"
 #include "support/hard_patches.hpp"
@@ -16,6 +17,7 @@
 #include "support/step_judge.hpp"
 #include "support/witness.hpp"
 
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/force/force_evaluator.hpp>
 #include <hfh/geometry/global_closest_point.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
@@ -406,6 +408,60 @@ void tracker() {
     });
 }
 
+/// Balls of 0.1 to 5 cells, 0.1 to 100 cells an update and 0.1 to 10 cells deep, judged by every patch in reach: penetration,
+/// side, never farther, a minimum, touches that are real and whose shares make up the force, never free in the ground; and
+/// the same minimum as a gradient flow of the centre. Solid, and a sheet in a fifth of the strokes. A stroke ends at its
+/// first fault. Prints the first faults with a line that replays each (`BallStroke`).
+template <Real T>
+void ball() {
+    const long count = counted(1e5);
+    constexpr std::int64_t flow_every = 20;
+    const auto make = [](const auto&, const auto& grid, T radius, SurfaceKind kind) {
+        return BallTracker<std::remove_cvref_t<decltype(grid)>>{grid, radius, {.surface = kind}};
+    };
+    long flows = 0, other = 0;
+    std::uint64_t seed = 1000;
+    const auto judge = [&](const std::string& terrain, auto&& follow) {
+        BallTally tally;
+        follow(tally);
+        for (const auto& example : tally.examples) std::printf("  %s\n", example.c_str());
+        for (const auto& [kind, times] : tally.kinds) std::printf("  %d x %s\n", times, kind.c_str());
+        flows += tally.flows, other += tally.other_minima;
+        report(
+            "ball", name<T>,
+            text("%s, %ld updates, %.0f %% in contact, %ld faults, penetration at most %.2g r, residual at "
+                 "most %.2g, %ld minima narrower than 1e-3 r, %ld of %ld in another minimum than the flow",
+                 terrain.c_str(), tally.updates,
+                 100.0 * static_cast<double>(tally.contacts) / static_cast<double>(tally.updates),
+                 tally.faults, static_cast<double>(tally.penetration), static_cast<double>(tally.residual),
+                 tally.narrow, tally.other_minima, tally.flows),
+            tally.faults);
+    };
+    each_terrain<T>([&](const char* terrain, const Terrain<T>& ground) {
+        judge(terrain, [&](BallTally& tally) {
+            follow_strokes<T>(terrain, ground, count, flow_every, ++seed, make, tally);
+        });
+    });
+    // All kinds whose heights are near enough to one another to be told by distances.
+    for (int kind = 0; kind < static_cast<int>(HardGround::no_data); ++kind) {
+        judge("hard ground " + std::to_string(kind), [&](BallTally& tally) {
+            for (long n = 0; tally.updates < count; ++n) {
+                const std::string ground = "hard " + std::to_string(kind) + ' ' + std::to_string(n);
+                follow_strokes<T>(ground, *named_terrain<T>(ground), std::min(500L, count), flow_every,
+                                  ++seed, make, tally);
+            }
+        });
+    }
+    // A sample may have three deviations more than its share.
+    const double allowed = 1e-4 * static_cast<double>(flows);
+    report(
+        "ball", name<T>,
+        text(
+            "%ld updates of up to half a cell, %ld in another minimum than the gradient flow (below 0.01 %%)",
+            flows, other),
+        static_cast<double>(other) > allowed + 3 * std::sqrt(allowed));
+}
+
 /// Positions `deep` cells below the surface, `step` cells apart, of a hand that turns by up to `turn` at each; back from the
 /// rim. Where there is no surface, as low as before.
 template <Real T>
@@ -580,6 +636,7 @@ template <Real T>
     one("flow", flow<T>);
     one("first_hit", first_crossing<T>);
     one("tracker", tracker<T>);
+    one("ball", ball<T>);
     one("limited", limited<T>);
     one("strokes", strokes<T>);
     one("flat", flat<T>);
@@ -595,7 +652,7 @@ int main(int argc, char** argv) {
         share > 0 && (scalar == "float" ? run<float>(argv[1]) : scalar == "double" && run<double>(argv[1]));
     if (!understood) {
         std::fputs("usage: hfh_certify "
-                   "closest_point|steps|nearest|descent|flow|first_hit|tracker|limited|strokes|flat|all "
+                   "closest_point|steps|nearest|descent|flow|first_hit|tracker|ball|limited|strokes|flat|all "
                    "float|double "
                    "SHARE\n",
                    stderr);
