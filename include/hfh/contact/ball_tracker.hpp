@@ -121,6 +121,8 @@ private:
                                                       const vec3<Scalar>& stylus) const noexcept;
     /// The ball is where the stylus is.
     [[nodiscard]] BallContact<Scalar> set_free(const vec3<Scalar>& stylus) noexcept;
+    /// Which rim a ball that touched in this cell last has left at.
+    [[nodiscard]] ContactStatus rim_status(Cell cell) const noexcept;
     /// The ball has got round a rim.
     [[nodiscard]] BallContact<Scalar> leave_at_rim(const vec3<Scalar>& stylus) noexcept;
     /// Work or steps are used up: the ball goes on from here in the next update.
@@ -264,11 +266,12 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     contact.radius = radius_;
     contact.centre = centre;
     contact.proxy = vec3<Scalar>{centre};
+    const double depth = glm::length(offset);
+    contact.normal = vec3<Scalar>{depth > 0 ? offset / depth : normal};
     contact.penetration = vec3<Scalar>{offset};
-    contact.depth = glm::length(contact.penetration);
-    contact.normal = vec3<Scalar>{normal};
+    contact.depth = static_cast<Scalar>(depth);
     contact.point = foot.point;
-    contact.touches[0] = {foot.point, contact.normal, static_cast<Scalar>(share)};
+    contact.touches[0] = {foot.point, vec3<Scalar>{normal}, static_cast<Scalar>(share)};
     contact.count = 1;
     return true;
 }
@@ -315,8 +318,23 @@ template <HeightField Field>
 auto BallTracker<Field>::set_free(const vec3<Scalar>& stylus) noexcept -> BallContact<Scalar> {
     const glm::dvec3 to = widen(stylus);
     const Side side = detail::side_of(field(), to);
+    if (side == Side::below && options_.surface == SurfaceKind::solid) return leave_at_rim(stylus);
+    // Beside the surface, lower than where it touched: it has slid off.
+    const auto foot = detail::height_at(field(), state_.foot);
+    const bool slid_off = state_.touching() && side == Side::none && foot && to.z < *foot;
+    const ContactStatus status = slid_off             ? rim_status(state_.foot.cell)
+                                 : side == Side::none ? ContactStatus::off_surface
+                                                      : ContactStatus::free;
     state_ = {.centre = to, .stylus = to, .side = side, .phase = Phase::free};
-    return without_contact(side == Side::none ? ContactStatus::off_surface : ContactStatus::free, stylus);
+    return without_contact(status, stylus);
+}
+
+template <HeightField Field>
+ContactStatus BallTracker<Field>::rim_status(Cell cell) const noexcept {
+    const CellRange cells = field().cells();
+    const bool inside = cells.begin.i < cell.i && cell.i + 1 < cells.end.i && cells.begin.j < cell.j &&
+                        cell.j + 1 < cells.end.j;
+    return inside ? ContactStatus::left_at_hole : ContactStatus::left_at_border;
 }
 
 template <HeightField Field>
@@ -324,11 +342,7 @@ auto BallTracker<Field>::leave_at_rim(const vec3<Scalar>& stylus) noexcept -> Ba
     const bool was_touching = state_.touching();
     const Cell cell = state_.foot.cell;
     auto contact = begin(stylus);
-    if (!was_touching) return contact;
-    const CellRange cells = field().cells();
-    const bool inside = cells.begin.i < cell.i && cell.i + 1 < cells.end.i && cells.begin.j < cell.j &&
-                        cell.j + 1 < cells.end.j;
-    contact.status = inside ? ContactStatus::left_at_hole : ContactStatus::left_at_border;
+    if (was_touching) contact.status = rim_status(cell);
     return contact;
 }
 

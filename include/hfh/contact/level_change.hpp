@@ -44,15 +44,6 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
 
 namespace detail {
 
-/// The height of the ground at a point of it.
-template <HeightField Field>
-[[nodiscard]] std::optional<double> height_at(const Field& field,
-                                              const SurfacePoint<typename Field::Scalar>& at) noexcept {
-    const auto patch = field.patch(at.cell);
-    if (!patch) return std::nullopt;
-    return widen(*patch).height(widen(at.u), widen(at.v));
-}
-
 /// One of u and v, and the cell's number along it.
 template <Real T>
 constexpr void renumber(Index& cell, T& u, int by) noexcept {

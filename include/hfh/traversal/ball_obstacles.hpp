@@ -52,7 +52,8 @@ struct BallObstacle {
     const glm::dvec3 n = at.normal;
     const double u = at.point.u, v = at.point.v;
     const glm::dvec3 sx{1, 0, patch.slope_u(v) / patch.dx}, sy{0, 1, patch.slope_v(u) / patch.dy};
-    const bool along_x = u > 0 && u<1, along_y = v> 0 && v < 1;
+    const auto is_inside = [](double w) { return w > 1e-9 && w < 1 - 1e-9; };
+    const bool along_x = is_inside(u), along_y = is_inside(v);
     const auto outer = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::outerProduct(a, b); };
     glm::dmat3 turned = glm::dmat3{1.0} - outer(n, n);
     if (along_x && along_y) {
@@ -126,12 +127,18 @@ public:
 private:
     /// What becomes of a local closest point on the border of its patch.
     enum class Border : unsigned char { touches, plane, left_out };
+    struct BorderPoint {
+        Border is = Border::touches;
+        bool on_rim = false;
+        bool from_above =
+            false; ///< the ball is above one of the patches that meet there, as far as their planes tell
+    };
 
     void offer(const ReachSearch<Field>& search, Cell cell, const RelativePatch& patch,
                const RelativePatch::Foot& foot) noexcept;
-    [[nodiscard]] Border classify_border(const ReachSearch<Field>& search, Cell cell,
-                                         const RelativePatch::Foot& foot, const glm::dvec3& own_normal,
-                                         bool& on_rim) const noexcept;
+    [[nodiscard]] BorderPoint classify_border(const ReachSearch<Field>& search, Cell cell,
+                                              const RelativePatch::Foot& foot,
+                                              const glm::dvec3& own_normal) const noexcept;
     void keep(const BallObstacle& obstacle) noexcept;
     [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
 
@@ -196,10 +203,11 @@ void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, co
         return;
     }
     const glm::dvec3 own_normal = over < 0 ? -upward : upward;
-    const Border border = classify_border(search, cell, foot, own_normal, obstacle.on_rim);
-    if (border == Border::left_out || (solid && obstacle.on_rim && obstacle.normal.z < 0)) return;
+    const BorderPoint border = classify_border(search, cell, foot, own_normal);
+    obstacle.on_rim = border.on_rim;
+    if (border.is == Border::left_out || (solid && !border.on_rim && !border.from_above)) return;
     const double plane_gap = std::abs(over) - radius_;
-    if (border == Border::plane) {
+    if (border.is == Border::plane) {
         if (solid && over < 0) return;
         if (plane_gap > obstacle.gap / 4) {
             obstacle.normal = own_normal;
@@ -212,10 +220,11 @@ void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, co
 
 template <HeightField Field>
 auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cell cell,
-                                           const RelativePatch::Foot& foot, const glm::dvec3& own_normal,
-                                           bool& on_rim) const noexcept -> Border {
+                                           const RelativePatch::Foot& foot,
+                                           const glm::dvec3& own_normal) const noexcept -> BorderPoint {
     constexpr double level = 1e-9; // cosine of an angle that counts as right
-    Border border = Border::touches;
+    BorderPoint point;
+    point.from_above = glm::dot(own_normal, foot.offset) <= 0 && own_normal.z > 0;
     double steepest = level;
     const SurfacePoint<double> at{cell, foot.u, foot.v};
     const Neighbours neighbours{foot.u, foot.v};
@@ -224,9 +233,13 @@ auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cel
         const SurfacePoint<double> there = seen_from(n, at);
         RelativePatch patch;
         if (!search.read(there.cell, patch)) {
-            on_rim = true;
+            point.on_rim = true;
             continue;
         }
+        const glm::dvec3 upward{-patch.slope_u(there.v) / patch.dx, -patch.slope_v(there.u) / patch.dy, 1};
+        const bool is_above = glm::dot(upward, foot.offset) <= 0;
+        point.from_above = point.from_above || is_above;
+        if (surface_ == SurfaceKind::solid && !is_above) continue; // from below there is nothing to touch
         // Into the neighbour, along each parameter that has a border here.
         glm::dvec3 down{0.0};
         const auto fall_along = [&](double parameter, const glm::dvec3& partial) {
@@ -240,9 +253,9 @@ auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cel
         const double falls = glm::length(down);
         if (!(falls > steepest)) continue;
         steepest = falls;
-        border = glm::dot(own_normal, down) > level * falls ? Border::plane : Border::left_out;
+        point.is = glm::dot(own_normal, down) > level * falls ? Border::plane : Border::left_out;
     }
-    return border;
+    return point;
 }
 
 template <HeightField Field>

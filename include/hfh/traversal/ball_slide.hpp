@@ -111,6 +111,8 @@ private:
         return here != Side::none && here != ball_.side;
     }
 
+    /// A solid: nothing holds the ball but rims, and they would push it down.
+    [[nodiscard]] bool hangs_on_rim(const glm::dvec3& target) const noexcept;
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
     /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const glm::dvec3& way, Move& move) const noexcept;
@@ -148,6 +150,7 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
         if (centre_ == target) return BallSlideEnd::at_target;
         move_ = plan(target, friction);
         touched_ = touched_ || move_.touches;
+        if (hangs_on_rim(target)) return BallSlideEnd::off_rim;
         if (move_.arrived && move_.crest_count == 0) return BallSlideEnd::minimum;
         if (step >= max_steps) return BallSlideEnd::step_limit;
         switch (make_move(target, move_)) {
@@ -158,6 +161,17 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
         case MoveEnd::no_nearer: return move_.touches ? BallSlideEnd::minimum : BallSlideEnd::step_limit;
         }
     }
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::hangs_on_rim(const glm::dvec3& target) const noexcept {
+    if (ball_.surface != SurfaceKind::solid || !move_.touches || move_.held.count == 0) return false;
+    const double near = rounding_at(centre_) + 1e-9 * ball_.radius;
+    for (int k = 0; k < move_.held.count; ++k) {
+        const BallObstacle& obstacle = around()[move_.held.faces[k]];
+        if (!obstacle.on_rim || obstacle.gap > near) return false;
+    }
+    return move_.held.step.z - (target.z - centre_.z) < 0;
 }
 
 template <HeightField Field>

@@ -53,6 +53,15 @@ template <HeightField Field>
     return widen(*patch).height(lattice.u_of(x, cell.i), lattice.v_of(y, cell.j));
 }
 
+/// The height of the surface at a point of it.
+template <HeightField Field>
+[[nodiscard]] std::optional<double> height_at(const Field& field,
+                                              const SurfacePoint<typename Field::Scalar>& at) noexcept {
+    const auto patch = field.patch(at.cell);
+    if (!patch) return std::nullopt;
+    return widen(*patch).height(widen(at.u), widen(at.v));
+}
+
 /// Which side of the surface a point is on, vertically; none where there is no surface over or under it.
 template <HeightField Field>
 [[nodiscard]] Side side_of(const Field& field, const glm::dvec3& at) noexcept {
