@@ -25,6 +25,7 @@ struct BallState {
     TrackerPhase phase = TrackerPhase::unseen;
     /// Since it was seen first, or got round a rim, the ball has overlapped the surface or been below the solid.
     bool is_buried = false;
+    TrackerState<T> point{}; ///< with radius 0: that of the point's tracker; else as it is at the start
 
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
@@ -86,7 +87,8 @@ public:
     [[nodiscard]] constexpr const State& state() const noexcept { return state_; }
     constexpr void restore(const State& state) noexcept {
         state_ = state;
-        hand_to_point();
+        point_.restore(state.point);
+        if (state.point.phase == Phase::unseen) hand_to_point();
     }
     [[nodiscard]] constexpr const Field& field() const noexcept { return point_.field(); }
 
@@ -179,11 +181,12 @@ auto BallTracker<Field>::update_point(const vec3<Scalar>& stylus) noexcept -> Ba
     static_cast<Contact<Scalar>&>(contact) = point_.update(stylus);
     if (contact.status == ContactStatus::bad_input) return contact;
     const auto& point = point_.state();
-    state_ = {.centre = widen(contact.proxy),
+    state_ = {.centre = point.touching() ? widen(contact.proxy) : point.swept_to,
               .stylus = widen(stylus),
               .foot = point.proxy,
               .side = point.side,
-              .phase = point.phase};
+              .phase = point.phase,
+              .point = point};
     if (contact.touching()) {
         contact.centre = state_.centre;
         contact.touches[0] = {contact.point, contact.normal, contact.depth};
@@ -196,6 +199,7 @@ template <HeightField Field>
 constexpr void BallTracker<Field>::set_radius(Scalar radius) noexcept {
     const bool was_point = !(radius_ > 0);
     radius_ = valid_radius(radius);
+    if (radius_ > 0) state_.point = {};
     if (!was_point && !(radius_ > 0)) hand_to_point();
 }
 
