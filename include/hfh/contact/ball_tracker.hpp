@@ -143,7 +143,7 @@ Index BallTracker<Field>::work_allowed() const noexcept {
     const double radius = widen(radius_);
     const double wide = radius + detail::widest_margin(field(), radius);
     const glm::dvec2 cells = 2 * wide * field().lattice().cells_per_metre() + 3.0;
-    const double least = 8 * glm::min(cells.x * cells.y, 1e9);
+    const double least = 8 * glm::min(cells.x * cells.y, 2.5e8); // an Index of 32 bits holds it
     return glm::max(static_cast<Index>(options_.max_patches), static_cast<Index>(least));
 }
 
