@@ -1,11 +1,11 @@
 #include "run.hpp"
 #include "terrain.hpp"
 
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/force/damping.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 
 // What each optional piece adds to an update: a hand that slides in a circle, half a cell deep, half a cell an update.
@@ -17,10 +17,11 @@ enum class Piece { none, damping, shading, friction, extended_field, all_of_thes
 
 constexpr std::size_t length = 4096;
 
-/// A tracker on `field` with a piece behind it. The answer is checked for what a piece cannot change: that it touches.
-template <Piece piece, HeightField Field>
-void slide(benchmark::State& state, const Terrain& ground, const Field& field, double lift) {
-    using T = typename Field::Scalar;
+/// A tracker with a piece behind it; the stylus is `lift` above where a point would be. The answer is checked for what a piece
+/// cannot change: that it touches.
+template <Piece piece, class Tracker>
+void slide(benchmark::State& state, const Terrain& ground, Tracker tracker, double lift) {
+    using T = typename Tracker::Scalar;
     const glm::dvec2 cell = ground.kind.spacing;
     std::vector<vec3<T>> path;
     for (std::size_t k = 0; k < length; ++k) {
@@ -33,7 +34,7 @@ void slide(benchmark::State& state, const Terrain& ground, const Field& field, d
         path.push_back({static_cast<T>(x), static_cast<T>(y),
                         static_cast<T>(ground.surface(x, y) + lift - 0.5 * ground.cell())});
     }
-    ProxyTracker tracker{field};
+    const auto& field = tracker.field();
     Friction<T> friction{};
     VelocityFilter<T> velocity{};
     const Damping<T> damping{T(2), T(1)};
@@ -66,8 +67,10 @@ void register_scalar(const TerrainKind& kind) {
         return "pieces/" + piece + '/' + kind.name + '/' + scalar_name<T>;
     };
     const auto on_grid = [&]<Piece piece>(const char* what) {
-        add(name(what),
-            [=](benchmark::State& state) { slide<piece>(state, ground(), ground().template grid<T>(), 0); });
+        add(name(what), [=](benchmark::State& state) {
+            const auto grid = ground().template grid<T>();
+            slide<piece>(state, ground(), ProxyTracker{grid}, 0);
+        });
     };
     on_grid.template operator()<Piece::none>("none");
     on_grid.template operator()<Piece::damping>("damping");
@@ -75,19 +78,16 @@ void register_scalar(const TerrainKind& kind) {
     on_grid.template operator()<Piece::friction>("friction");
     add(name("extended_field"), [=](benchmark::State& state) {
         const auto grid = ground().template grid<T>();
-        slide<Piece::none>(state, ground(), ExtendedField{grid}, 0);
+        const ExtendedField field{grid};
+        slide<Piece::none>(state, ground(), ProxyTracker{field}, 0);
     });
     on_grid.template operator()<Piece::all_of_these>("damping_shading_friction");
     for (const double cells : {0.5, 1.0, 2.0}) {
-        for (const int finer : {1, 2}) {
-            const std::string what =
-                "raised_" + std::to_string(cells).substr(0, 3) + "_cells_x" + std::to_string(finer);
-            add(name(what), [=](benchmark::State& state) {
-                const auto grid = ground().template grid<T>();
-                const double r = cells * ground().cell();
-                slide<Piece::none>(state, ground(), DilatedField{grid, static_cast<T>(r), finer}, r);
-            });
-        }
+        add(name("ball_" + std::to_string(cells).substr(0, 3) + "_cells"), [=](benchmark::State& state) {
+            const auto grid = ground().template grid<T>();
+            const double r = cells * ground().cell();
+            slide<Piece::none>(state, ground(), BallTracker{grid, static_cast<T>(r)}, r);
+        });
     }
 }
 

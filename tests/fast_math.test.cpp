@@ -2,13 +2,13 @@
 #include "support/numbers.hpp"
 #include "support/terrains.hpp"
 
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/device/limit_cycle_filter.hpp>
 #include <hfh/force/damping.hpp>
 #include <hfh/force/force_evaluator.hpp>
 #include <hfh/geometry/lattice.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
 
 #include <array>
@@ -126,7 +126,7 @@ TEMPLATE_TEST_CASE("fast_math: parameters that are no numbers give no force", "[
         CHECK(Damping<T>{T(1), T(1)}(force, contact, {1, bad, 1}).newtons.z == T(250));
         Friction<T> friction{{bad, T(0.5)}};
         CHECK(friction.hold(grid, contact, stylus).penetration == contact.penetration);
-        CHECK(DilatedField{grid, bad}.radius() == 0);
+        CHECK(BallTracker{grid, bad}.radius() == 0);
         const GridFrame frames[]{{.origin = {widen(bad), 0}},
                                  {.spacing = {1, widen(bad)}},
                                  {.height_scale = widen(bad)},

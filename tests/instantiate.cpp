@@ -1,6 +1,10 @@
 // Instantiates every template for every scalar and sample type, in a translation unit of its own: what is not inline
 // enough shows at link time, what only compiles when unused shows here. Compiled without exceptions and without RTTI.
 
+#include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_level_change.hpp>
+#include <hfh/contact/ball_shading.hpp>
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/friction_cone.hpp>
@@ -22,7 +26,6 @@
 #include <hfh/simulation/simulated_device.hpp>
 #include <hfh/terrain/blended_field.hpp>
 #include <hfh/terrain/bridged_field.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
 #include <hfh/traversal/local_closest_points.hpp>
@@ -49,6 +52,8 @@ template struct FrictionCone<float>;
 template struct FrictionCone<double>;
 template class Friction<float>;
 template class Friction<double>;
+template class BallFriction<float>;
+template class BallFriction<double>;
 template class VelocityFilter<float>;
 template class VelocityFilter<double>;
 template struct NewtonResult<float>;
@@ -81,8 +86,8 @@ template class TripleBuffer<DeviceSample>;
     template class ExtendedField<BilinearGrid<double, HeightView<S>>>;                                       \
     template class BridgedField<BilinearGrid<float, HeightView<S>>>;                                         \
     template class BridgedField<BilinearGrid<double, HeightView<S>>>;                                        \
-    template class DilatedField<BilinearGrid<float, HeightView<S>>>;                                         \
-    template class DilatedField<BilinearGrid<double, HeightView<S>>>;                                        \
+    template class BallTracker<BilinearGrid<float, HeightView<S>>>;                                          \
+    template class FieldLoop<BilinearGrid<double, HeightView<S>>, BallTip>;                                  \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
@@ -172,11 +177,10 @@ template <Real T, Sample S>
     const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
     const auto contact = tracker.update({T(1), T(1), T(300)});
     const ExtendedField level{holed_grid};
-    const DilatedField raised{level, T(1), 2};
-    ProxyTracker level_tracker{raised};
+    BallTracker level_tracker{level, T(1)};
     const vec3<T> stylus{T(1), T(1), T(1)};
-    Friction<T> friction{};
-    const auto shaded = friction.hold(raised, shade_force(raised, level_tracker.update(stylus)), stylus);
+    BallFriction<T> friction{};
+    const auto shaded = friction.hold(level, shade_force(level, level_tracker.update(stylus)), stylus);
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
            nearest.u >= 0 && under && of_all.signed_distance() && near.count == 0 &&

@@ -2,10 +2,10 @@
 // it is near by, and at the far end of its cells nothing overflows. A program of its own without a test framework, which is
 // seldom there for the other target.
 
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/force/force_evaluator.hpp>
 #include <hfh/terrain/bilinear_grid.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 
 #include <array>
@@ -94,14 +94,19 @@ void check_scalar() {
     check(hit.status == HitStatus::cell_limit && hit.t > 0 && hit.t < 1e-3, "a segment from end to end");
     check(first_hit(field, b, a, {.max_cells = 1000}).status != HitStatus::miss, "and back, from below");
 
-    // A grid that goes on beyond its rim, and that raised by a tip.
+    // A grid that goes on beyond its rim, and a ball on that.
     const std::array<T, 16> samples{};
     const BilinearGrid<T, HeightView<T>> grid{HeightView{samples.data(), 4, 4}, {}};
     const ExtendedField beyond{grid};
     check_strokes(beyond, {500'000, 5'300'000}, 1, "beyond a grid");
-    const DilatedField raised{beyond, T(0.25), 1000};
-    check(raised.cells().end.i == CellRange::endless().end.i, "cut at the last cell that can be numbered");
-    check(raised.height({2'000'000, 300'000'000}).has_value(), "raised, far out");
+    BallTracker ball{beyond, T(0.25)};
+    for (const double far : {0.0, 5'300'000.0, 300'000'000.0}) {
+        ball.reset();
+        const auto x = static_cast<T>(far);
+        check(ball.update({x, x, 2}).status == ContactStatus::free, "a ball far out, above");
+        const auto pressed = ball.update({x, x, -1});
+        check(pressed.status == ContactStatus::contact && pressed.depth == T(1.25), "and pressed");
+    }
 }
 
 } // namespace

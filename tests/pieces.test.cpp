@@ -3,11 +3,13 @@
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
 
+#include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_shading.hpp>
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/force/damping.hpp>
 #include <hfh/hfh.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 
 // The optional pieces, all at once; and that a scene without them is as small as before they existed. That its code is
@@ -33,9 +35,8 @@ TEMPLATE_TEST_CASE("pieces: work together, on solid and sheet, allocate nothing,
             const Surface<T> surface{ground};
 
             const ExtendedField field{grid};
-            const DilatedField raised{field, static_cast<T>(0.5 * cell.x)};
-            ProxyTracker tracker{raised, {.surface = kind}};
-            Friction<T> friction{{T(0.5), T(0.25)}};
+            BallTracker tracker{field, static_cast<T>(0.5 * cell.x), {.surface = kind}};
+            BallFriction<T> friction{{T(0.5), T(0.25)}};
             VelocityFilter<T> velocity{T(100)};
             const Damping<T> damping{T(0.5), T(0.25)};
             const ForceEvaluator<T> force{.stiffness = T(50), .max_force = T(3.25)};
@@ -58,7 +59,7 @@ TEMPLATE_TEST_CASE("pieces: work together, on solid and sheet, allocate nothing,
             const auto before = allocations();
             bool finite = true, within = true;
             for (const auto& at : path) {
-                const auto contact = friction.hold(raised, shade_force(raised, tracker.update(at)), at);
+                const auto contact = friction.hold(field, shade_force(field, tracker.update(at)), at);
                 const auto felt = damping(force, contact, velocity.update(at, T(0.001)));
                 touching += contact.touching();
                 held += friction.state().side != Side::none && !friction.state().slipping;

@@ -3,7 +3,7 @@
 #include <hfh/hfh.hpp>
 
 #include <hfh/loop/any_haptic_loop.hpp>
-#include <hfh/terrain/dilated_field.hpp>
+#include <hfh/loop/ball_tip.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include <memory>
 #include <new>
 #include <type_traits>
-#include <variant>
+#include <utility>
 
 // Compiled without exceptions: all that is allocated is asked for with std::nothrow, and the library itself throws nothing.
 
@@ -66,6 +66,10 @@ template <hfh::Sample S>
     return true;
 }
 
+[[nodiscard]] bool is_radius(double radius) noexcept {
+    return hfh::is_at_least_zero(radius) && hfh::is_height(radius);
+}
+
 [[nodiscard]] hfh::Material material_of(const hfh_material& m) noexcept {
     return {m.stiffness, m.static_friction, m.dynamic_friction, m.damping, m.shading != 0};
 }
@@ -78,13 +82,10 @@ struct hfh_stylus {
     hfh_stylus& operator=(const hfh_stylus&) = delete;
     virtual ~hfh_stylus() = default;
 
-    /// Makes the loop anew, in the same memory.
-    virtual void place(const hfh::HapticLoopOptions& options, double radius) noexcept = 0;
+    [[nodiscard]] virtual hfh::AnyHapticLoop& loop() noexcept = 0;
 
     hfh_field* field;
     std::int32_t axes;
-    hfh::HapticLoopOptions options{};
-    hfh::AnyHapticLoop* loop = nullptr;
     double time = 0; ///< s
 };
 
@@ -94,7 +95,8 @@ struct hfh_field {
     hfh_field& operator=(const hfh_field&) = delete;
     virtual ~hfh_field() = default;
 
-    [[nodiscard]] virtual hfh_stylus* stylus() noexcept = 0; ///< null: out of memory
+    /// Null: out of memory.
+    [[nodiscard]] virtual hfh_stylus* stylus(const hfh::HapticLoopOptions& options) noexcept = 0;
     virtual void edited(const hfh::VertexRange& samples) noexcept = 0;
 
     void release() noexcept {
@@ -115,27 +117,13 @@ using Field = hfh::BoundedGrid<double, hfh::HeightView<S, NoData<S>>>;
 
 template <hfh::Sample S>
 struct StylusOn final : hfh_stylus {
-    using Raised = hfh::DilatedField<Field<S>>;
+    StylusOn(hfh_field* on, const Field<S>& ground, const hfh::HapticLoopOptions& options) noexcept
+        : hfh_stylus{on, on->axes}, loop_{options, ground} {}
 
-    StylusOn(hfh_field* on, const Field<S>& ground) noexcept : hfh_stylus{on, on->axes}, field_{&ground} {}
-
-    void place(const hfh::HapticLoopOptions& with, double radius) noexcept override {
-        if (radius > 0) {
-            // As fine as dilated_field.hpp asks for, to tell crests apart, and no finer than a loop at 1 kHz can pay for.
-            const glm::dvec2 cell = field_->lattice().spacing();
-            const double finer = std::ceil(2 * std::max(cell.x, cell.y) / radius);
-            const int subdivisions = static_cast<int>(std::clamp(finer, 1.0, 8.0));
-            hfh::HapticLoopOptions limited = with;
-            limited.tracker.max_patches = 100;
-            loop = &loop_.template emplace<hfh::FieldLoop<Raised>>(limited, *field_, radius, subdivisions);
-        } else {
-            loop = &loop_.template emplace<hfh::FieldLoop<Field<S>>>(with, *field_);
-        }
-    }
+    [[nodiscard]] hfh::AnyHapticLoop& loop() noexcept override { return loop_; }
 
 private:
-    const Field<S>* field_;
-    std::variant<std::monostate, hfh::FieldLoop<Field<S>>, hfh::FieldLoop<Raised>> loop_;
+    hfh::FieldLoop<Field<S>, hfh::BallTip> loop_; // without a radius: a point's, to the bit
 };
 
 template <hfh::Sample S>
@@ -148,8 +136,8 @@ struct FieldOf final : hfh_field {
         if (count > 0) static_cast<void>(field_.build());
     }
 
-    [[nodiscard]] hfh_stylus* stylus() noexcept override {
-        return new (std::nothrow) StylusOn<S>{this, field_};
+    [[nodiscard]] hfh_stylus* stylus(const hfh::HapticLoopOptions& options) noexcept override {
+        return new (std::nothrow) StylusOn<S>{this, field_, options};
     }
     void edited(const hfh::VertexRange& samples) noexcept override {
         static_cast<void>(field_.update(samples));
@@ -291,7 +279,7 @@ std::int32_t hfh_stylus_create(hfh_field* field, const hfh_stylus_options* optio
     *stylus = nullptr;
     hfh_stylus_options o;
     hfh_material m;
-    if (!field || !read(options, o) || !hfh::is_at_least_zero(o.radius)) return HFH_BAD_ARGUMENT;
+    if (!field || !read(options, o) || !is_radius(o.radius)) return HFH_BAD_ARGUMENT;
     hfh::HapticLoopOptions loop;
     if (o.material) {
         if (!read(o.material, m)) return HFH_BAD_ARGUMENT;
@@ -304,11 +292,10 @@ std::int32_t hfh_stylus_create(hfh_field* field, const hfh_stylus_options* optio
         hfh::guard_limits({.max_force = o.max_force, .rate = o.rate},
                           o.max_stiffness == 0 ? loop.material.stiffness : o.max_stiffness, loop.lag);
     if (!is_usable(loop.limits)) return HFH_BAD_ARGUMENT;
-    hfh_stylus* const made = field->stylus();
+    hfh_stylus* const made = field->stylus(loop);
     if (!made) return HFH_OUT_OF_MEMORY;
     field->users.fetch_add(1, std::memory_order_relaxed);
-    made->options = loop;
-    made->place(loop, o.radius);
+    made->loop().set_tip_radius(o.radius);
     *stylus = made;
     return HFH_OK;
 }
@@ -327,13 +314,14 @@ std::int32_t hfh_stylus_update(hfh_stylus* stylus, const double* position, const
         sample.has_velocity = true;
     }
     if (hfh::is_finite(sample.time)) stylus->time = sample.time;
-    const hfh::DeviceCommand command = stylus->loop->update(sample);
-    const hfh::Contact<double> contact = stylus->loop->contact();
+    hfh::AnyHapticLoop& loop = stylus->loop();
+    const hfh::DeviceCommand command = loop.update(sample);
+    const hfh::Contact<double> contact = loop.contact();
     r.status = static_cast<std::int32_t>(contact.status);
-    r.trip = static_cast<std::int32_t>(stylus->loop->force().trip);
+    r.trip = static_cast<std::int32_t>(loop.force().trip);
     r.touching = contact.touching() ? 1 : 0;
     to_axes(stylus->axes, command.newtons, r.force);
-    to_axes(stylus->axes, stylus->loop->stylus(), r.stylus);
+    to_axes(stylus->axes, loop.stylus(), r.stylus);
     to_axes(stylus->axes, contact.proxy, r.proxy);
     to_axes(stylus->axes, contact.normal, r.normal);
     r.depth = contact.depth;
@@ -345,20 +333,19 @@ std::int32_t hfh_stylus_update(hfh_stylus* stylus, const double* position, const
 std::int32_t hfh_stylus_set_material(hfh_stylus* stylus, const hfh_material* material) {
     hfh_material m;
     if (!stylus || !read(material, m)) return HFH_BAD_ARGUMENT;
-    stylus->options.material = material_of(m);
-    stylus->loop->set_material(stylus->options.material);
+    stylus->loop().set_material(material_of(m));
     return HFH_OK;
 }
 
 std::int32_t hfh_stylus_set_radius(hfh_stylus* stylus, double radius) {
-    if (!stylus || !hfh::is_at_least_zero(radius)) return HFH_BAD_ARGUMENT;
-    stylus->place(stylus->options, radius);
+    if (!stylus || !is_radius(radius)) return HFH_BAD_ARGUMENT;
+    stylus->loop().set_tip_radius(radius);
     return HFH_OK;
 }
 
 std::int32_t hfh_stylus_reset(hfh_stylus* stylus) {
     if (!stylus) return HFH_BAD_ARGUMENT;
-    stylus->loop->reset();
+    stylus->loop().reset();
     return HFH_OK;
 }
 

@@ -140,9 +140,10 @@ typedef struct hfh_result {
     int32_t touching; /* 1 in contact, else 0 */
     double force[3];  /* N on the hand until the next update: what the guard let pass */
     double stylus[3]; /* m of terrain */
-    double proxy[3];  /* m of terrain; without contact the stylus */
-    double normal[3]; /* of the ground at the proxy, of length 1; up without contact */
-    double depth;     /* m of terrain, from the proxy to the stylus */
+    double proxy[3];  /* m of terrain; of a round tip its centre; without contact the stylus */
+    double normal
+        [3]; /* of the ground at the proxy, of a round tip that of its force, of length 1; up without contact */
+    double depth; /* m of terrain, from the proxy to the stylus */
 } hfh_result;
 
 typedef struct hfh_field hfh_field;
@@ -166,7 +167,7 @@ HFH_C_API int32_t hfh_stylus_update(hfh_stylus* stylus, const double* position, 
                                     double dt, hfh_result* result);
 /* In the next update, also in contact. */
 HFH_C_API int32_t hfh_stylus_set_material(hfh_stylus* stylus, const hfh_material* material);
-/* Of the tip, m of terrain; 0: a point. Forgets the contact, and the force comes up again as at the start. */
+/* Of the tip, m of terrain; 0: a point. In the next update, also in contact: a ball that grows is lifted, one that shrinks sinks. */
 HFH_C_API int32_t hfh_stylus_set_radius(hfh_stylus* stylus, double radius);
 /* Forgets the stylus and the force: the next position is taken as the first one. */
 HFH_C_API int32_t hfh_stylus_reset(hfh_stylus* stylus);

@@ -3,10 +3,10 @@
 
 #include <chai3d.h>
 
-#include <hfh/contact/force_shading.hpp>
-#include <hfh/contact/friction.hpp>
+#include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_shading.hpp>
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 
 #include <array>
 #include <concepts>
@@ -17,8 +17,7 @@
 
 namespace hfh_chai3d {
 
-/// A tool in the hand moves by less than a cell in an update. What takes longer goes on in the next one; the ground raised by
-/// a tip takes microseconds a patch.
+/// A tool in the hand moves by less than a cell in an update. What takes longer goes on in the next one.
 inline constexpr hfh::TrackerOptions default_options{.max_patches = 200, .max_contact_patches = 8};
 
 [[nodiscard]] inline hfh::vec3<double> to_hfh(const chai3d::cVector3d& v) noexcept {
@@ -35,8 +34,9 @@ inline constexpr hfh::TrackerOptions default_options{.max_patches = 200, .max_co
 ///     world->addChild(ground);
 ///     hfh_chai3d::feel(*tool->m_hapticPoint, grid, *ground);
 ///
-/// - The *proxy* is the centre of the tip. With the radius 0 it is on the ground, otherwise so far above it that the drawn
-///   sphere touches it. `cToolCursor::setRadius` and `setRadiusContact` change it while touching.
+/// - The *proxy* is the centre of the tip, a ball: the drawn sphere rests on the ground, on every place that it touches. With
+///   the radius 0 the proxy is on the ground. `cToolCursor::setRadius` and `setRadiusContact` change the radius while touching,
+///   and the contact goes on.
 /// - The *material* of the object acts live: stiffness in N/m of the world, static and dynamic friction, shading
 ///   (`setUseHapticFriction`, `setUseHapticShading`).
 /// - The *object* may be moved and turned while it is touched. Ground that comes up from below meets the tool as a tool that
@@ -59,7 +59,7 @@ class HeightFieldProxy : public chai3d::cAlgorithmFingerProxy {
 public:
     HeightFieldProxy(const Field& field, chai3d::cGenericObject& object,
                      const hfh::TrackerOptions& options = default_options)
-        : object_{&object}, point_{field, options}, dilated_{field, 0}, ball_{dilated_, options} {}
+        : object_{&object}, tracker_{field, options} {}
 
     /// The tool is at `device`, in coordinates of the world. Returns the force in newtons, in the world's axes.
     chai3d::cVector3d computeForces(const chai3d::cVector3d& device, const chai3d::cVector3d&) override {
@@ -68,7 +68,7 @@ public:
         m_deviceGlobalPos = device;
         if (!object_->getEnabled() || !object_->getHapticEnabled()) {
             forget();
-            return tell({}, device, chai3d::cIdentity3d());
+            return tell(hfh::BallContact<double>{}, device, chai3d::cIdentity3d());
         }
         const chai3d::cVector3d origin = object_->getGlobalPos();
         const chai3d::cMatrix3d axes = object_->getGlobalRot();
@@ -79,51 +79,36 @@ public:
     }
 
     /// What the last update found, in the object's frame.
-    [[nodiscard]] const hfh::Contact<double>& contact() const noexcept { return contact_; }
+    [[nodiscard]] const hfh::BallContact<double>& contact() const noexcept { return contact_; }
 
 private:
     static constexpr unsigned updated = 1;
 
     [[nodiscard]] bool was_reset() const noexcept { return m_algoCounter != updated; }
     void forget() noexcept {
-        point_.reset();
-        ball_.reset();
+        tracker_.reset();
         friction_.reset();
     }
 
     /// The contact as it is felt, shaded and held back.
-    [[nodiscard]] hfh::Contact<double> feel(const hfh::vec3<double>& stylus) noexcept {
-        if (!(m_radius > 0)) {
-            if (radius_ > 0) point_.restore(ball_.state()); // the cells are the same
-            radius_ = 0;
-            return on(point_, stylus);
-        }
-        if (radius_ != m_radius) {
-            if (!(radius_ > 0)) ball_.restore(point_.state());
-            dilated_ = {point_.field(), m_radius}; // for the tracker an edit of the ground
-            radius_ = m_radius;
-        }
-        return on(ball_, stylus);
-    }
-    template <class Ground>
-    [[nodiscard]] hfh::Contact<double> on(hfh::ProxyTracker<Ground>& tracker,
-                                          const hfh::vec3<double>& stylus) noexcept {
+    [[nodiscard]] hfh::BallContact<double> feel(const hfh::vec3<double>& stylus) noexcept {
         const auto& material = *object_->m_material;
-        auto contact = tracker.update(stylus);
-        if (material.getUseHapticShading()) contact = hfh::shade_force(tracker.field(), contact);
+        tracker_.set_radius(m_radius);
+        auto contact = tracker_.update(stylus);
+        if (material.getUseHapticShading()) contact = hfh::shade_force(tracker_.field(), contact);
         if (!material.getUseHapticFriction()) {
             friction_.reset();
             return contact;
         }
         const auto anchor = friction_.state(); // the coefficients may be others than before
-        friction_ = hfh::Friction<double>{
+        friction_ = hfh::BallFriction<double>{
             {.at_rest = material.getStaticFriction(), .sliding = material.getDynamicFriction()}};
         friction_.restore(anchor);
-        return friction_.hold(tracker.field(), contact, stylus);
+        return friction_.hold(tracker_.field(), contact, stylus);
     }
 
     /// Fills in what CHAI3D asks a finger proxy for. Returns the force.
-    const chai3d::cVector3d& tell(const hfh::Contact<double>& contact, const chai3d::cVector3d& proxy,
+    const chai3d::cVector3d& tell(const hfh::BallContact<double>& contact, const chai3d::cVector3d& proxy,
                                   const chai3d::cMatrix3d& axes) {
         contact_ = contact;
         m_proxyGlobalPos = m_nextBestProxyGlobalPos = proxy;
@@ -146,12 +131,9 @@ private:
     }
 
     chai3d::cGenericObject* object_;
-    hfh::ProxyTracker<Field> point_;
-    hfh::DilatedField<Field> dilated_; ///< the ground raised by the tip
-    hfh::ProxyTracker<hfh::DilatedField<Field>> ball_;
-    hfh::Friction<double> friction_;
-    double radius_ = 0; ///< of the last update
-    hfh::Contact<double> contact_{};
+    hfh::BallTracker<Field> tracker_;
+    hfh::BallFriction<double> friction_;
+    hfh::BallContact<double> contact_{};
 };
 
 /// Gives a haptic point a proxy on a height field, in the place of the one that it has. The point owns it; its radius and

@@ -101,10 +101,9 @@ struct Figures {
     int in_contact, updates;
 };
 
-/// Drags a tool over the terrain, `cells` an update, half a cell deep.
+/// Drags a tool of radius `radius` (m) over the terrain, `cells` an update, half a cell deep.
 Figures drag(chai3d::cHapticPoint& point, chai3d::cGenericObject& object, const Grid& grid, bool triangles,
-             double cells) {
-    constexpr int updates = 20000;
+             double cells, double radius, int updates) {
     chai3d::cMatrix3d axes;
     axes.identity();
     chai3d::cVector3d none(0, 0, 0);
@@ -114,18 +113,62 @@ Figures drag(chai3d::cHapticPoint& point, chai3d::cGenericObject& object, const 
     int off = 0, in_contact = 0;
     for (int n = 0; n < updates; ++n) {
         heading += 0.1 * std::sin(0.013 * n);
-        double x = at.x() + cells * spacing * std::cos(heading),
-               y = at.y() + cells * spacing * std::sin(heading);
-        if (std::abs(x) > 0.9 * half_x || std::abs(y) > 0.9 * half_y) heading += 1.7, x = at.x(), y = at.y();
-        at = chai3d::cVector3d(x, y, n == 0 ? 0.5 : height(grid, false, x, y) - 0.5 * spacing);
+        double x = 0, y = 0;
+        for (;; heading += 1.7) {
+            x = at.x() + cells * spacing * std::cos(heading);
+            y = at.y() + cells * spacing * std::sin(heading);
+            if (std::abs(x) <= 0.9 * half_x && std::abs(y) <= 0.9 * half_y) break;
+        }
+        at = chai3d::cVector3d(x, y, n == 0 ? 0.5 : height(grid, false, x, y) + radius - 0.5 * spacing);
         const auto start = std::chrono::steady_clock::now();
         (void)point.computeInteractionForces(at, axes, none, none);
         seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         if (!point.isInContact(&object)) continue;
         ++in_contact;
+        if (radius > 0) continue; // is_off_minimum judges a point
         off += is_off_minimum(grid, triangles, point.getGlobalPosProxy(), at);
     }
     return {1e6 * seconds / updates, static_cast<double>(off) / std::max(1, in_contact), in_contact, updates};
+}
+
+/// A point, and whether it is on the minimum.
+void compare_points(chai3d::cHapticPoint& own, chai3d::cHapticPoint& ours, chai3d::cMesh& mesh,
+                    const Grid& grid) {
+    std::printf(
+        "cells an update | CHAI3D's finger proxy: us, in contact, off the minimum | hfh in its place\n");
+    for (const double cells : {0.1, 0.5, 2.0}) {
+        const Figures a = drag(own, mesh, grid, true, cells, 0, 20000);
+        const Figures b = drag(ours, mesh, grid, false, cells, 0, 20000);
+        std::printf("%15.1f | %8.2f %6.1f %% %6.1f %% | %8.2f %6.1f %% %6.1f %%\n", cells, a.microseconds,
+                    100.0 * a.in_contact / a.updates, 100 * a.off_minimum, b.microseconds,
+                    100.0 * b.in_contact / b.updates, 100 * b.off_minimum);
+    }
+}
+
+/// A ball of a cell and one of five.
+void compare_balls(chai3d::cToolCursor& own, chai3d::cToolCursor& ours, chai3d::cMesh& mesh,
+                   const Grid& grid) {
+    std::printf("\nradius, cells | cells an update | CHAI3D's finger proxy: us, in contact | its dynamic "
+                "proxy | hfh in its place\n");
+    for (const double radius : {1.0, 5.0}) {
+        own.setRadius(radius * spacing), ours.setRadius(radius * spacing);
+        mesh.createAABBCollisionDetector(radius * spacing);
+        for (const double cells : {0.5, 5.0, 100.0}) {
+            const int updates = cells > 10 ? 2000 : 10000;
+            std::printf("%13.0f | %15.1f", radius, cells);
+            const auto print = [&](chai3d::cToolCursor& tool) {
+                const Figures f =
+                    drag(*tool.m_hapticPoint, mesh, grid, false, cells, radius * spacing, updates);
+                std::printf(" | %8.1f %6.1f %%", f.microseconds, 100.0 * f.in_contact / f.updates);
+            };
+            for (const bool is_dynamic : {false, true}) {
+                own.m_hapticPoint->m_algorithmFingerProxy->m_useDynamicProxy = is_dynamic;
+                print(own);
+            }
+            print(ours);
+            std::printf("\n");
+        }
+    }
 }
 
 void compare(chai3d::cWorld& world, chai3d::cMesh& mesh, const Grid& grid) {
@@ -134,15 +177,8 @@ void compare(chai3d::cWorld& world, chai3d::cMesh& mesh, const Grid& grid) {
     own.setRadius(0), ours.setRadius(0);
     own.m_hapticPoint->initialize(chai3d::cVector3d(0, 0, 1));
     hfh_chai3d::feel(*ours.m_hapticPoint, grid, mesh);
-    std::printf(
-        "cells an update | CHAI3D's finger proxy: us, in contact, off the minimum | hfh in its place\n");
-    for (const double cells : {0.1, 0.5, 2.0}) {
-        const Figures a = drag(*own.m_hapticPoint, mesh, grid, true, cells);
-        const Figures b = drag(*ours.m_hapticPoint, mesh, grid, false, cells);
-        std::printf("%15.1f | %8.2f %6.1f %% %6.1f %% | %8.2f %6.1f %% %6.1f %%\n", cells, a.microseconds,
-                    100.0 * a.in_contact / a.updates, 100 * a.off_minimum, b.microseconds,
-                    100.0 * b.in_contact / b.updates, 100 * b.off_minimum);
-    }
+    compare_points(*own.m_hapticPoint, *ours.m_hapticPoint, mesh, grid);
+    compare_balls(own, ours, mesh, grid);
 }
 
 /// Until Enter. Returns false if there is no device.

@@ -47,8 +47,12 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
         wanted = built_in_stroke(ground, stroke_depth(ground));
         room = std::min(3 * depth, 0.4 * model.capabilities.workspace.z);
     }
-    const hfh::WorkspaceFrame frame = fit(model, ground, wanted, room);
-    if (!file) wanted = built_in_stroke(ground, depth * frame.scale);
+    hfh::WorkspaceFrame frame = fit(model, ground, wanted, room);
+    setup.tip = options.tip.radius(frame.scale);
+    if (!file) {
+        wanted = built_in_stroke(ground, depth * frame.scale, setup.tip);
+        frame.offset.z += setup.tip;
+    }
     device.emplace(model, frame, setup.stiffness, std::move(wanted));
 }
 
@@ -65,7 +69,8 @@ void run(const Options& options) {
     Setup setup;
     if (options.path) file.emplace(*options.path);
     if (options.device == DeviceChoice::none) {
-        if (!file) stroke = built_in_stroke(ground, stroke_depth(ground));
+        setup.tip = options.tip.on_terrain;
+        if (!file) stroke = built_in_stroke(ground, stroke_depth(ground), setup.tip);
         setup.stiffness = options.stiffness.value_or(default_stiffness(ground));
     } else {
         put_in_hand(options, ground, file, device, setup);
@@ -86,6 +91,7 @@ void run(const Options& options) {
     Feeling feeling{.loop = {.material = {.stiffness = setup.stiffness}, .tracker = {}, .lag = 0},
                     .guarded = false};
     if (device) feeling = {device->loop(), true};
+    feeling.tip = setup.tip;
     feeling.bridge = options.bridge;
     const auto done = [&] {
         return device ? device->progress()

@@ -1,5 +1,6 @@
 #include "options.hpp"
 
+#include "bad_input.hpp"
 #include "command_options.hpp"
 #include "numbers.hpp"
 
@@ -46,6 +47,7 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
            "Newtons per metre of depth: in the hand, by default the device's; without a device in the "
            "terrain, by default 2 N at a quarter of a cell")
         ->type_name("K");
+    const TipCommandLine tip{app};
     app.add_option("--record", record,
                    "Writes one row per update: where the stylus was, what was found there, and the force "
                    "that was felt")
@@ -71,6 +73,11 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     }
     if (app.count("--stiffness") != 0) options.stiffness = number_from("--stiffness", stiffness, false);
 
+    options.tip = tip.tip();
+    if (options.tip.at_hand > 0 && options.device == DeviceChoice::none)
+        throw BadInput{
+            "--tip-hand is in millimetres of a hand, but with --device none there is no hand; take "
+            "--tip."};
     if (app.count("--bridge") != 0) options.bridge = width_from(bridge);
 
     refuse_same_file("--record", options.record, "--picture", options.picture);

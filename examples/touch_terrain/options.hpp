@@ -2,6 +2,7 @@
 #define TOUCH_TERRAIN_OPTIONS_HPP
 
 #include "terrain_options.hpp"
+#include "tip_options.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -15,6 +16,7 @@ struct Options : TerrainOptions {
     std::optional<std::filesystem::path> path; ///< none: the built-in stroke
     DeviceChoice device = DeviceChoice::touch;
     std::optional<double> stiffness;
+    Tip tip;
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> picture;
     hfh::Index bridge = 0; ///< cells: holes up to this width are spanned

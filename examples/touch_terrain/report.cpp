@@ -60,7 +60,8 @@ std::string caption(const Summary& summary, const std::string& terrain, const Se
     for (std::size_t at; (at = what.find(" x ")) != std::string::npos;) what.replace(at, 3, " × ");
     return what + "; " + grouped(summary.updates) + " updates, " +
            rounded(percent(summary.in_contact, summary), 3) + " % in contact" +
-           (setup.device.empty() ? "" : "; simulated " + setup.device) + "; stiffness " +
+           (setup.device.empty() ? "" : "; simulated " + setup.device) +
+           (setup.tip > 0 ? "; ball of " + rounded(setup.tip) + " m" : "") + "; stiffness " +
            rounded(setup.stiffness) + " N/m, largest force " + rounded(summary.largest_force) + " N";
 }
 
@@ -78,6 +79,12 @@ std::string report(const Summary& summary, const std::string& scalar, const Setu
         out += line("device", setup.device + ", simulated, in a hand; 1 mm there is " +
                                   rounded(1e-3 * device->workspace().frame().scale) + " m of terrain");
         out += line("guard", describe(summary.guard, device->limits()));
+    }
+    if (setup.tip > 0) {
+        out += line("tip", "a ball of radius " + rounded(setup.tip) + " m of terrain" +
+                               (device ? ", " + rounded(1e3 * setup.tip / device->workspace().frame().scale) +
+                                             " mm in the hand"
+                                       : ""));
     }
     out += line("updates", grouped(summary.updates) + " in " + scalar);
     out += line("in contact", one_decimal(percent(summary.in_contact, summary)) + " %");

@@ -16,10 +16,11 @@ namespace demo {
 /// "300 x 300 samples every 73.596 x 92.491 m"
 [[nodiscard]] std::string describe(const Terrain& terrain, const Ground& ground);
 
-/// What the stylus is held by: nothing, or a simulated device.
+/// What the stylus is held by: nothing, or a simulated device; and what it touches with.
 struct Setup {
     double stiffness = 0; ///< N/m in the hand; without a device, of terrain
     std::string device;   ///< empty: none
+    double tip = 0;       ///< m of terrain: the radius of the ball; 0: a point
 };
 
 /// The line below a picture's title.

@@ -39,6 +39,7 @@ struct Feeling {
     /// False: the stylus is in nobody's hand and feels what the terrain asks for, whatever a guard says. No force moves it,
     /// none can hurt, and its path may be of any speed.
     bool guarded = true;
+    double tip = 0;        ///< m of terrain: the radius of the ball that touches; 0: a point
     hfh::Index bridge = 0; ///< cells: holes up to this width are spanned
 };
 

@@ -6,6 +6,7 @@
 #include "session.hpp"
 
 #include <hfh/hfh.hpp>
+#include <hfh/loop/ball_tip.hpp>
 #include <hfh/terrain/bridged_field.hpp>
 
 #include <glm/geometric.hpp>
@@ -33,7 +34,8 @@ template <hfh::HeightField Field>
 Summary follow_on(const Field& field, const Feeling& feeling, const StepSource& path, const ForceSink& feel,
                   const std::function<void(const Touch&)>& on_touch) {
     using Clock = std::chrono::steady_clock;
-    hfh::HapticLoop loop{field, feeling.loop};
+    hfh::HapticLoop<Field, hfh::BallTip> loop{field, feeling.loop};
+    loop.tracker().set_radius(static_cast<typename Field::Scalar>(feeling.tip));
 
     Summary summary;
     summary.state_bytes = sizeof(loop.tracker().state());

@@ -99,7 +99,7 @@ double default_stiffness(const Ground& ground) noexcept {
     return 2.0 / (0.25 * std::min(ground.cell.x, ground.cell.y));
 }
 
-std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth) {
+std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth, double tip) {
     std::vector<StylusSample> stroke(updates);
     std::vector<double> heights(updates);
     for (std::size_t k = 0; k < updates; ++k) {
@@ -121,7 +121,7 @@ std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth) {
     const double hover = 3 * depth;
     for (std::size_t k = 0; k < updates; ++k) {
         const double bump = depth * (1 + 0.6 * std::tanh((heights[k] - slow[k]) / depth));
-        stroke[k].position.z = heights[k] + std::lerp(hover, -bump, press[k]);
+        stroke[k].position.z = heights[k] + std::lerp(hover, -bump, press[k]) + tip;
     }
     return stroke;
 }

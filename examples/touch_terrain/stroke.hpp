@@ -19,8 +19,8 @@ namespace demo {
 /// The built-in stroke, 20 s at 1 kHz: down onto the ground, across the middle of the terrain from west to east in
 /// loops, and off again. A hand that follows the ground, though not every bump of it; it lifts off before holes, and over
 /// walls, which it could only press against: what is steeper than 63° and higher than `depth`. On level ground it is `depth`
-/// metres below the surface.
-[[nodiscard]] std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth);
+/// metres below the surface; a ball at its end, of radius `tip` (m), is by as much below the place where it would touch.
+[[nodiscard]] std::vector<StylusSample> built_in_stroke(const Ground& ground, double depth, double tip = 0);
 
 } // namespace demo
 

@@ -10,7 +10,7 @@ struct Touch {
     double t = 0;
     glm::dvec3 stylus{0.0}; ///< as the tracker saw it: with --float, rounded to float
     bool contact = false;
-    glm::dvec3 proxy{0.0};
+    glm::dvec3 proxy{0.0}; ///< of a ball its centre
     glm::dvec3 normal{0.0};
     glm::dvec3 force{0.0}; ///< as felt: with a device at the hand, after the guard
     int patches = 0;

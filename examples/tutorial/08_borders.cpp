@@ -1,7 +1,7 @@
 // Step 8: holes, the rim of the grid, and a round tip.
 
+#include <hfh/contact/ball_tracker.hpp>
 #include <hfh/hfh.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 
 #include <cstdint>
@@ -17,9 +17,8 @@ int main() {
     std::printf("a patch beside the hole: %s, one away from it: %s\n", grid.patch({0, 0}) ? "yes" : "no",
                 grid.patch({4, 4}) ? "yes" : "no");
 
-    const hfh::ExtendedField endless{grid};           // the ground goes on beyond the rim
-    const hfh::DilatedField ground{endless, 0.25, 2}; // felt with a ball of 25 cm
-    hfh::ProxyTracker tracker{ground};
+    const hfh::ExtendedField ground{grid};  // goes on beyond the rim
+    hfh::BallTracker tracker{ground, 0.25}; // a ball of 25 cm at the end of the stylus
     (void)tracker.update({-5.0, 4.0, 3.0}); // 5 m outside of the grid
     const auto contact = tracker.update({-5.0, 4.0, 1.2});
     std::printf("outside of the grid: %s, the centre of the ball rests at %.2f m\n",

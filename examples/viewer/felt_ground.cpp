@@ -4,8 +4,9 @@
 
 #include <bad_input.hpp>
 
-#include <hfh/contact/level_change.hpp>
+#include <hfh/contact/ball_level_change.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/loop/ball_tip.hpp>
 #include <hfh/terrain/blended_field.hpp>
 
 #include <algorithm>
@@ -19,13 +20,19 @@ template <hfh::Sample S>
 class GroundOf final : public FeltGround {
 public:
     GroundOf(const demo::Heights<S>& heights, const hfh::GridFrame& frame)
-        : field_{hfh::StridedLevels{heights}, frame}, edits_{heights, frame} {
+        : field_{hfh::StridedLevels{heights}, frame},
+          smallest_cell_{std::min(frame.spacing.x, frame.spacing.y)}, edits_{heights, frame} {
         if (field_.status() != hfh::GridStatus::ok)
             throw demo::BadInput{
                 "The terrain makes no surface: its spacing or its height scale is out of range."};
     }
 
     void begin(const hfh::HapticLoopOptions& options) noexcept override { loop_ = Loop{field_, options}; }
+    double set_tip(double radius) noexcept override {
+        const double cell = smallest_cell_ * std::exp2(field_.level());
+        loop_.tracker().set_radius(std::min(radius, 16 * cell));
+        return loop_.tracker().radius();
+    }
     Felt update(const hfh::DeviceSample& sample, const hfh::Material& material) noexcept override {
         loop_.set_material(material);
         (void)loop_.update(sample);
@@ -70,9 +77,10 @@ public:
 private:
     using Field = hfh::BlendedField<double, hfh::StridedLevels<demo::Heights<S>>>;
 
-    using Loop = hfh::HapticLoop<Field>;
+    using Loop = hfh::HapticLoop<Field, hfh::BallTip>;
 
     Field field_;
+    double smallest_cell_ = 0; ///< m, of the finest level
     Loop loop_{field_};
     Edits<S> edits_;
 };

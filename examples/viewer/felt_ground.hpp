@@ -33,6 +33,9 @@ public:
 
     /// Makes the haptic loop anew.
     virtual void begin(const hfh::HapticLoopOptions& options) noexcept = 0;
+    /// The radius of the ball that touches, m of terrain. Gives the radius that it has from now on: as large a ball as an
+    /// update can pay for measures 16 cells of the level.
+    virtual double set_tip(double radius) noexcept = 0;
     /// One update of the haptic loop.
     virtual Felt update(const hfh::DeviceSample& sample, const hfh::Material& material) noexcept = 0;
     /// The loop's, which zooms and moves between updates.

@@ -1,6 +1,8 @@
 #ifndef VIEWER_HAND_INPUT_HPP
 #define VIEWER_HAND_INPUT_HPP
 
+#include <tip_options.hpp>
+
 #include <hfh/contact/contact.hpp>
 #include <hfh/device/guard_limits.hpp>
 #include <hfh/geometry/lattice.hpp>
@@ -19,6 +21,7 @@ struct Feel {
     double friction = 0;    ///< coefficient at rest; sliding: four fifths of it
     double damping = 0;     ///< N·s/m at the hand
     bool shading = false;   ///< force directions interpolated over vertices
+    demo::Tip tip;          ///< the ball that touches
 };
 
 /// At which level of detail the ground is felt and drawn.
@@ -79,6 +82,7 @@ struct HandState {
     glm::dvec3 stylus{0.0}; ///< m of terrain
     glm::dvec3 proxy{0.0};  ///< m of terrain; out of contact: on the ground below the stylus, if there is any
     glm::dvec3 normal{0, 0, 1};
+    double tip = 0;        ///< m of terrain: the radius of the ball that touches, whose centre is the proxy
     glm::dvec3 force{0.0}; ///< N at the hand, as felt
     bool over_ground = false;
     hfh::ContactStatus status = hfh::ContactStatus::free;

@@ -57,6 +57,7 @@ Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
                     .clutch_buttons = clutch_button});
     show_whole_terrain();
     told_.feel.stiffness = before_.feel.stiffness = default_stiffness();
+    told_.feel.tip = before_.feel.tip = default_tip();
     if (!settings_.path.empty()) {
         path_.emplace(std::move(settings_.path));
         wanted_ = workspace_.to_hand(path_->at(0));
@@ -159,7 +160,10 @@ void Haptics::change_scale() noexcept {
         zoom_left_ = std::abs(zoom_left_) <= std::abs(step) ? 0 : zoom_left_ - step;
         const double scale =
             std::clamp(workspace_.frame().scale * std::exp2(-step), smallest_scale_, largest_scale_);
-        (void)workspace_.zoom(scale, contact_.touching() ? contact_.proxy : last_stylus_);
+        // What is touched stays in its place, and a ball that keeps its size in the hand stays on it.
+        const double grows = told_.feel.tip.at_hand > 0 ? state_.tip : 0;
+        const glm::dvec3 touched = contact_.proxy - grows * contact_.normal;
+        (void)workspace_.zoom(scale, contact_.touching() ? touched : last_stylus_);
     }
     const glm::dvec2 moved = told_.pan - before_.pan;
     before_.pan = told_.pan;
@@ -188,8 +192,9 @@ void Haptics::change_level() noexcept {
 
 double Haptics::ground_at_hand(const glm::dvec2& terrain) const noexcept {
     const double height = ground_->height(terrain);
-    return std::isnan(height) ? last_ground_
-                              : (height - workspace_.frame().offset.z) / workspace_.frame().scale;
+    return std::isnan(height)
+               ? last_ground_
+               : (height + state_.tip - workspace_.frame().offset.z) / workspace_.frame().scale;
 }
 
 glm::dvec3 Haptics::ground_normal(const glm::dvec2& terrain) const noexcept {
@@ -215,6 +220,7 @@ void Haptics::move_hand() noexcept {
 
 hfh::GuardedForce Haptics::feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept {
     const Feel& feel = told_.feel;
+    state_.tip = ground_->set_tip(feel.tip.radius(workspace_.frame().scale));
     const Felt felt = ground_->update(sample, {.stiffness = feel.stiffness,
                                                .static_friction = feel.friction,
                                                .dynamic_friction = 0.8 * feel.friction,

@@ -22,6 +22,7 @@ enum class DeviceKind : unsigned char { touch, premium, none, phantom };
 struct HapticsSettings {
     DeviceKind device = DeviceKind::touch;
     std::optional<double> stiffness;                    ///< N/m at the hand; none: the device's
+    demo::Tip tip;                                      ///< the ball that touches
     std::optional<hfh::DeviceCapabilities> real_device; ///< of a `phantom`
     std::vector<demo::StylusSample> path;               ///< in the terrain; empty: the pointer moves the hand
     glm::dvec2 size{0.0}; ///< m of terrain, from the south-west sample to the north-east one
@@ -62,6 +63,8 @@ public:
     [[nodiscard]] static constexpr double period() noexcept { return 1e-3; }
     /// Whether a real device is expected to call `update`.
     [[nodiscard]] bool is_in_a_hand() const noexcept { return settings_.device == DeviceKind::phantom; }
+    /// The one that touches until the display says otherwise.
+    [[nodiscard]] const demo::Tip& default_tip() const noexcept { return settings_.tip; }
     /// N/m at the hand, by default.
     [[nodiscard]] double default_stiffness() const noexcept;
 
@@ -81,6 +84,7 @@ private:
     void publish(const glm::dvec3& hand, const glm::dvec3& stylus, const hfh::GuardedForce& felt) noexcept;
     void show_whole_terrain() noexcept;
     [[nodiscard]] glm::dvec3 ground_normal(const glm::dvec2& terrain) const noexcept;
+    /// m at the hand: where the stylus would touch.
     [[nodiscard]] double ground_at_hand(const glm::dvec2& terrain) const noexcept;
 
     FeltGround* ground_;

@@ -39,7 +39,8 @@ std::vector<demo::StylusSample> stroke_across(const demo::Terrain& terrain, cons
                                               const Options& options) {
     const demo::Ground ground = demo::ground_of(terrain, frame);
     const double at_hand = demo::aim_depth(options.stiffness.value_or(400));
-    return demo::built_in_stroke(ground, at_hand * whole_terrain_scale(options.device, ground.size));
+    const double scale = whole_terrain_scale(options.device, ground.size);
+    return demo::built_in_stroke(ground, at_hand * scale, options.tip.radius(scale));
 }
 
 /// A terrain as the options want it, and what is written about it. Refused if an output would take the terrain's place.
@@ -61,6 +62,7 @@ Program::Program(const Options& asked) : options{asked} {
     HapticsSettings settings;
     settings.device = options.device;
     settings.stiffness = options.stiffness;
+    settings.tip = options.tip;
     const hfh::GridFrame frame = demo::frame_of(terrain, options);
     if (options.device == DeviceKind::phantom) {
         device = open_phantom();

@@ -2,6 +2,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -116,14 +117,14 @@ void MarkerDrawer::draw(const TouchMarkers& touch, const Camera& camera, const g
     const glm::dvec3 lean = glm::normalize(glm::dvec3{camera.right() * 0.75 + camera.ahead() * 0.1, 0.62});
     items.push_back({&pen_, touch.stylus, lean, 5.5 * pixel, 90 * pixel, colours::stylus, true});
     items.push_back({&ball_, touch.stylus, {0, 0, 1}, 4 * pixel, 4 * pixel, colours::stylus, true});
+    const double ball = std::max(touch.tip, proxy_radius * pixel);
+    if (touch.touching || touch.tip > 0) {
+        // Exaggerated with the ground, so that it rests on it.
+        const double high = touch.tip > 0 ? ball * camera.exaggeration : ball;
+        const glm::dvec3 middle = touch.touching ? touch.proxy : touch.stylus;
+        items.push_back({&ball_, middle, {0, 0, 1}, ball, high, colours::proxy, true});
+    }
     if (touch.touching) {
-        items.push_back({&ball_,
-                         touch.proxy,
-                         {0, 0, 1},
-                         proxy_radius * pixel,
-                         proxy_radius * pixel,
-                         colours::proxy,
-                         true});
         const glm::dvec3 way = touch.proxy - touch.stylus;
         if (const double deep = glm::length(way); deep > 2 * pixel)
             items.push_back({&cylinder_, touch.stylus, way / deep, 1.2 * pixel, deep, colours::proxy, true});

@@ -22,6 +22,7 @@ struct TouchMarkers {
     glm::dvec3 stylus{0.0};
     glm::dvec3 proxy{0.0};
     glm::dvec3 normal{0, 0, 1};
+    double tip = 0;         ///< radius of the ball that touches; 0: a point
     glm::dvec3 wanted{0.0}; ///< where the hand wants to be
     glm::dvec3 newtons{0.0};
     bool touching = false;
@@ -31,8 +32,9 @@ struct TouchMarkers {
 };
 
 /// Draws the stylus as a pen whose tip is the device's point, the proxy as a ball, the penetration as a thin line between
-/// them, and the force as an arrow of 14 mm a newton. All have the same size on the screen at any zoom. What is below the ground is seen through it,
-/// paler.
+/// them, and the force as an arrow of 14 mm a newton. All have the same size on the screen at any zoom, but for a ball that
+/// touches: that is drawn where it is and as large as it is, and out of contact around the stylus. What is below the ground is
+/// seen through it, paler.
 class MarkerDrawer {
 public:
     MarkerDrawer();

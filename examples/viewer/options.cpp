@@ -45,6 +45,7 @@ std::uint64_t frames_from(const std::string& text) {
 std::optional<Options> read_options(int argc, const char* const* argv) {
     CLI::App app{"Shows a terrain, and lets a mouse touch it.", "hfh_viewer"};
     demo::TerrainCommandLine terrain{app};
+    const demo::TipCommandLine tip{app};
     std::string device, stiffness, path, record, screenshot, frames, size;
     app.add_option("--device", device,
                    "touch or premium: a simulated device in the hand, which gives way to the force. none: "
@@ -80,6 +81,7 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     options.screenshot = demo::file_from(app, "--screenshot", screenshot);
     if (app.count("--device") != 0) options.device = device_from(device);
     if (app.count("--stiffness") != 0) options.stiffness = demo::number_from("--stiffness", stiffness, false);
+    options.tip = tip.tip();
     if (app.count("--frames") != 0) options.frames = frames_from(frames);
     if (app.count("--size") != 0) options.size = size_from(size);
     if (options.device == DeviceKind::phantom && (options.path || options.screenshot))

@@ -4,6 +4,7 @@
 #include "haptics.hpp"
 
 #include <terrain_options.hpp>
+#include <tip_options.hpp>
 
 #include <glm/ext/vector_int2.hpp>
 
@@ -16,6 +17,7 @@ namespace viewer {
 struct Options : demo::TerrainOptions {
     DeviceKind device = DeviceKind::touch;
     std::optional<double> stiffness;
+    demo::Tip tip;
     std::optional<std::filesystem::path> path;
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> screenshot;

@@ -25,12 +25,23 @@ bool slide_milli(const char* name, double& value, double low, double high, const
     return changed;
 }
 
-void feel_sliders(Settings& settings) {
+/// The ball that touches, as it is in the hand; in brackets as it is on the terrain.
+void tip_slider(demo::Tip& tip, const HandState& hand, bool feet) {
+    bool keeps_size = tip.on_terrain == 0;
+    double radius = tip.radius(hand.scale) / hand.scale;
+    const std::string shown = "%.2f mm (" + length_text(hand.tip, feet) + ")";
+    const bool slid = slide_milli("tip", radius, 0, 10, shown.c_str());
+    const bool changed = ImGui::Checkbox("tip keeps its size in the hand", &keeps_size);
+    if (slid || changed) tip = keeps_size ? demo::Tip{0, radius} : demo::Tip{radius * hand.scale, 0};
+}
+
+void feel_sliders(Settings& settings, const HandState& hand) {
     Feel& feel = settings.feel;
     slide("stiffness", feel.stiffness, 50, 800, "%.0f N/m");
     slide("friction", feel.friction, 0, 1, "%.2f");
     slide("damping", feel.damping, 0, 3, "%.2f N s/m");
     ImGui::Checkbox("smooth force over cells (shading)", &feel.shading);
+    tip_slider(feel.tip, hand, settings.feet);
     slide("press", settings.firmness, 0.2, 3, "%.1f N");
 }
 
@@ -90,7 +101,7 @@ PanelWishes draw_panel(Settings& settings, const HandState& hand, double coarses
     ImGui::SetNextWindowSize({330 * pixels, 0}, ImGuiCond_Appearing);
     if (ImGui::Begin("Panel", &settings.shows_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
         ImGui::PushItemWidth(150 * pixels);
-        if (ImGui::CollapsingHeader("Feel", ImGuiTreeNodeFlags_DefaultOpen)) feel_sliders(settings);
+        if (ImGui::CollapsingHeader("Feel", ImGuiTreeNodeFlags_DefaultOpen)) feel_sliders(settings, hand);
         if (ImGui::CollapsingHeader("Level of detail", ImGuiTreeNodeFlags_DefaultOpen))
             level_sliders(settings.level, hand, coarsest_level);
         if (ImGui::CollapsingHeader("Brush", ImGuiTreeNodeFlags_DefaultOpen))

@@ -33,6 +33,7 @@ Viewer::Viewer(TouchedTerrain& touched, int n, float pixels)
       loader_{touched.displayed, n, static_cast<int>(touched.ground->coarsest_level())},
       terrain_drawer_{touched.displayed, n}, layer_{pixels}, renderer_{renderer_name()} {
     settings_.feel.stiffness = haptics_->default_stiffness();
+    settings_.feel.tip = haptics_->default_tip();
     settings_.save_as = std::filesystem::path{touched.terrain.name}.stem().string() + "_edited.flt";
     renderer_ = renderer_.substr(0, renderer_.find(" ("));
     take_hand();
@@ -144,6 +145,7 @@ void Viewer::draw_markers(const glm::ivec2& size) {
     marker_drawer_.draw({.stylus = hand_.to_hand(hand_.stylus),
                          .proxy = hand_.to_hand(hand_.proxy),
                          .normal = hand_.normal,
+                         .tip = hand_.tip / hand_.scale,
                          .wanted = hand_.wanted,
                          .newtons = hand_.force,
                          .touching = hand_.touching(),

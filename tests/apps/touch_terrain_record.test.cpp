@@ -172,6 +172,51 @@ TEST_CASE("touch_terrain: the record of the built-in stroke holds from outside",
     CHECK(not_unit <= (in_float ? 1e-6 : 1e-14));
 }
 
+TEST_CASE("touch_terrain: with a tip the record has the centre of a ball that rests on the ground",
+          "[touch_terrain][ball][law]") {
+    const auto [arguments, radius] = GENERATE(table<std::string, double>(
+        {{"--device none --tip 150", 150}, {"--device touch --tip 40", 40}, {"--tip-hand 2", 0}}));
+    CAPTURE(arguments);
+    const Folder folder;
+    const Run run = folder.run(arguments + " --record out.csv");
+    REQUIRE(run.code == 0);
+    CHECK(run.out.find("a ball of radius ") != std::string::npos);
+    double r = radius;
+    if (radius == 0) { // 2 mm of hand, which the summary says in metres
+        CHECK(run.out.find(", 2 mm in the hand") != std::string::npos);
+        r = 2 * std::stod(run.out.substr(run.out.find("1 mm there is ") + 14));
+    }
+    const double told = radius == 0 ? 5e-3 : 1e-9; // the summary rounds
+    const Peaks peaks;
+    const auto rows = rows_of(contents(folder / "out.csv"));
+    REQUIRE(rows.size() == 20000);
+    std::size_t touching = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const Row& row = rows[k];
+        touching += row.contact;
+        if (!row.contact || k % 400 != 0) continue;
+        double nearest = 1e300;
+        const double step = r / 50;
+        for (double x = -1.1 * r; x <= 1.1 * r; x += step) {
+            for (double y = -1.1 * r; y <= 1.1 * r; y += step) {
+                const double z = peaks.height(row.proxy[0] + x, row.proxy[1] + y);
+                nearest = std::min(nearest, std::hypot(x, y, z - row.proxy[2]));
+            }
+        }
+        CHECK(nearest >= r * (1 - told));
+        CHECK(nearest <= r * (1 + told + 1e-2));
+        CHECK(distance(row.proxy, row.stylus) > 0);
+    }
+    CHECK(touching > 17000);
+}
+
+TEST_CASE("touch_terrain: a tip without a radius is a point, to the bit", "[touch_terrain][ball]") {
+    const Folder folder;
+    REQUIRE(folder.run("--record point.csv").code == 0);
+    REQUIRE(folder.run("--tip-hand 0 --record ball.csv").code == 0);
+    CHECK(contents(folder / "point.csv") == contents(folder / "ball.csv"));
+}
+
 TEST_CASE("touch_terrain: a simulated device closes the loop", "[touch_terrain][law]") {
     const Folder folder;
     const Peaks peaks;

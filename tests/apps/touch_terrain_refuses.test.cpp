@@ -232,6 +232,12 @@ TEST_CASE("touch_terrain: refuses option values out of range", "[touch_terrain]"
     folder.refuses("good.bil --stiffness 1 --stiffness 2", {"--stiffness"});
     for (const std::string bad : {"1", "0", "-3", "2.5", "1001", "x", "''"})
         folder.refuses("good.bil --bridge " + bad, {"--bridge", "2 to 1000"});
+    for (const std::string bad : {"-1", "nan", "inf", "1e10", "wide", "''"}) {
+        folder.refuses("good.bil --tip " + bad, {"--tip", "from 0 to 1e9 metres"});
+        folder.refuses("good.bil --tip-hand " + bad, {"--tip-hand", "from 0 to 1e9 millimetres"});
+    }
+    folder.refuses("good.bil --tip 1 --tip-hand 1", {"--tip and --tip-hand", "one radius"});
+    folder.refuses("good.bil --tip-hand 1 --device none", {"--tip-hand", "--device none", "no hand"});
     folder.refuses("good.bil --device omni", {"--device is 'omni'", "touch, premium or none"});
     const Run without_value = folder.run("good.bil --path");
     CHECK(without_value.code == 2);

@@ -134,6 +134,24 @@ static void presses_on_level_ground(int axes) {
     }
     for (k = 0; k < 5; ++k) hfh_stylus_update(stylus, p, NULL, 0.001, &r);
     CHECK(r.touching && NEAR(r.depth, 0.005, 1e-9) && NEAR(r.force[up], 1, 1e-6));
+    CHECK(NEAR(r.proxy[up], 2.1, 1e-9));
+
+    /* One that grows or shrinks stays in contact, and with the radius 0 it is a point again. */
+    CHECK(hfh_stylus_set_radius(stylus, 0.103) == HFH_OK);
+    for (k = 0; k < 600; ++k) {
+        hfh_stylus_update(stylus, p, NULL, 0.001, &r);
+        CHECK(r.touching && r.trip == HFH_TRIP_NONE);
+    }
+    CHECK(NEAR(r.proxy[up], 2.103, 1e-9) && NEAR(r.force[up], 1.6, 1e-6));
+    CHECK(hfh_stylus_set_radius(stylus, 0.097) == HFH_OK);
+    hfh_stylus_update(stylus, p, NULL, 0.001, &r);
+    CHECK(r.touching && NEAR(r.proxy[up], 2.097, 1e-9));
+    CHECK(hfh_stylus_set_radius(stylus, 0) == HFH_OK);
+    hfh_stylus_update(stylus, p, NULL, 0.001, &r);
+    CHECK(!r.touching);
+    put(axes, 5.5, 6.5, 1.995, p);
+    hfh_stylus_update(stylus, p, NULL, 0.001, &r);
+    CHECK(r.touching && NEAR(r.proxy[up], 2, 1e-12));
     hfh_stylus_destroy(stylus);
 }
 
@@ -317,6 +335,8 @@ static void bad_arguments(void) {
     CHECK(hfh_stylus_set_material(stylus, &m) == HFH_BAD_ARGUMENT);
     CHECK(hfh_stylus_set_material(stylus, NULL) == HFH_BAD_ARGUMENT);
     CHECK(hfh_stylus_set_radius(stylus, -1) == HFH_BAD_ARGUMENT);
+    CHECK(hfh_stylus_set_radius(stylus, not_a_number) == HFH_BAD_ARGUMENT);
+    CHECK(hfh_stylus_set_radius(stylus, 1e300) == HFH_BAD_ARGUMENT);
     CHECK(hfh_stylus_reset(NULL) == HFH_BAD_ARGUMENT);
     CHECK(hfh_field_edited(NULL, 0, 0, 1, 1) == HFH_BAD_ARGUMENT);
     CHECK(hfh_field_edited(field, -5, 40, 99, 99) == HFH_OK);

@@ -4,6 +4,7 @@
 #include <height_field_proxy.hpp>
 
 #include <hfh/force/force_evaluator.hpp>
+#include <hfh/traversal/nearest_point.hpp>
 
 #include <cmath>
 
@@ -182,6 +183,43 @@ TEST_CASE("chai3d: the tip's radius is that of the tool, and may change while it
     stage.point.setRadius(0.2);
     CHECK(std::abs(stage.move({20, 20, 0.9}).z() - 30) < 1e-6);
     CHECK(stage.point.isInContact(&stage.object));
+}
+
+TEST_CASE(
+    "chai3d: the drawn sphere rests on the ground and is felt as the ball's tracker feels it, to the bit",
+    "[chai3d][ball][law]") {
+    for (const double radius : {0.3, 2.5}) {
+        Stage stage{radius};
+        auto& material = *stage.object.m_material;
+        material.setStaticFriction(0.5), material.setDynamicFriction(0.3);
+        material.setUseHapticShading(true);
+        BallTracker tracker{stage.grid, radius, hfh_chai3d::default_options};
+        BallFriction<double> hold{{.at_rest = 0.5, .sliding = 0.3}};
+        int touching = 0;
+        for (int n = 0; n < 500; ++n) {
+            const auto at = on_path(n);
+            const auto contact = hold.hold(stage.grid, shade_force(stage.grid, tracker.update(at)), at);
+            const auto wanted = ForceEvaluator<double>{.stiffness = 100}(contact).newtons;
+            REQUIRE(is_near(stage.move(hfh_chai3d::to_chai3d(at)), hfh_chai3d::to_chai3d(wanted), 1e-12));
+            REQUIRE(stage.proxy->contact().proxy == contact.proxy);
+            if (!contact.touching()) continue;
+            ++touching;
+            const auto ground = nearest_point(stage.grid, contact.proxy);
+            REQUIRE(ground.status == NearestStatus::found);
+            REQUIRE(std::abs(ground.distance - radius) <= 1e-9 * radius);
+        }
+        CHECK(touching > 300);
+    }
+}
+
+TEST_CASE("chai3d: a radius that changes in every update loses no contact", "[chai3d][ball]") {
+    Stage stage;
+    (void)stage.move({20, 20, 5});
+    for (int n = 0; n < 300; ++n) {
+        stage.point.setRadius(std::max(0.0, std::sin(0.05 * n)));
+        REQUIRE(stage.move({20 + 0.01 * n, 20, -2.5}).length() > 0);
+        REQUIRE(stage.point.isInContact(&stage.object));
+    }
 }
 
 TEST_CASE("chai3d: an object that is switched off is not felt", "[chai3d]") {

@@ -6,6 +6,7 @@
 #include <hfh/device.hpp>
 #include <hfh/force.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/loop/ball_tip.hpp>
 #include <hfh/terrain.hpp>
 
 #include <bit>
@@ -54,11 +55,13 @@ std::vector<std::int16_t> hills(std::size_t width, std::size_t height) {
     return samples;
 }
 
-template <hfh::HeightField Field>
-void stroke(const Field& field, hfh::SurfaceKind surface, const char* what) {
+/// With a ball of this radius; 0: a point.
+template <class Tip, hfh::HeightField Field>
+void stroke(const Field& field, hfh::SurfaceKind surface, const char* what, double radius = 0) {
     using T = typename Field::Scalar;
-    hfh::ProxyTracker tracker{field, {.surface = surface, .max_contact_patches = 8}};
-    hfh::Friction<T> friction{{.at_rest = T(0.5), .sliding = T(0.4)}};
+    typename Tip::template Tracker<Field> tracker{field, {.surface = surface, .max_contact_patches = 8}};
+    if constexpr (requires { tracker.radius(); }) tracker.set_radius(static_cast<T>(radius));
+    typename Tip::template Friction<T> friction{{.at_rest = T(0.5), .sliding = T(0.4)}};
     const hfh::ForceEvaluator<T> force{.stiffness = T(0.5), .max_force = T(3.3)};
     hfh::VelocityFilter<T> velocity;
     const hfh::Damping<T> damping{.along_normal = T(0.001)};
@@ -95,10 +98,10 @@ void strokes(const std::vector<std::int16_t>& samples, std::size_t width, std::s
     const auto grid = hfh::make_grid<T>(
         heights, {.origin = {-640.0, -640.0}, .spacing = {20.0, 20.0}, .height_scale = 0.5});
     std::printf("%s, grid %s\n", what, hfh::to_string(grid.status()));
-    stroke(grid, hfh::SurfaceKind::solid, "solid");
-    stroke(grid, hfh::SurfaceKind::sheet, "sheet");
+    stroke<hfh::PointTip>(grid, hfh::SurfaceKind::solid, "solid");
+    stroke<hfh::PointTip>(grid, hfh::SurfaceKind::sheet, "sheet");
     const hfh::ExtendedField endless{grid};
-    stroke(hfh::DilatedField{endless, T(15), 1}, hfh::SurfaceKind::solid, "round tip");
+    stroke<hfh::BallTip>(endless, hfh::SurfaceKind::solid, "round tip", 15);
 }
 
 } // namespace

@@ -3,8 +3,8 @@
 #include "support/terrains.hpp"
 
 #include <hfh/loop/any_haptic_loop.hpp>
+#include <hfh/loop/ball_tip.hpp>
 #include <hfh/loop/haptic_loop.hpp>
-#include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
 
@@ -107,9 +107,10 @@ private:
 };
 
 /// The chain by hand: what README, the Phantom and the viewer wrote.
-template <HeightField Field>
+template <HeightField Field, class Tip = PointTip>
 struct Chain {
     using T = typename Field::Scalar;
+    using Friction = typename Tip::template Friction<T>;
 
     Chain(const Field& on, const HapticLoopOptions& options)
         : field{on}, material{options.material}, lag{options.lag}, clutch_buttons{options.clutch_buttons},
@@ -153,20 +154,20 @@ struct Chain {
         if (to.stiffness != material.stiffness) coupling = VirtualCoupling{{to.stiffness, lag}};
         if (to.damping == 0) velocity = VelocityFilter<double>{};
         material = to;
-        friction = Friction<T>{coefficients()};
+        friction = Friction{coefficients()};
         if (to.static_friction != 0 || to.dynamic_friction != 0) friction.restore(held);
     }
 
     void reset() {
         tracker.reset();
-        friction = Friction<T>{coefficients()};
+        friction = Friction{coefficients()};
         glide.reset();
         velocity = VelocityFilter<double>{};
         coupling = VirtualCoupling{{material.stiffness, lag}};
         guard.restart();
     }
 
-    [[nodiscard]] typename Friction<T>::Coefficients coefficients() const {
+    [[nodiscard]] typename Friction::Coefficients coefficients() const {
         return {static_cast<T>(material.static_friction), static_cast<T>(material.dynamic_friction)};
     }
 
@@ -176,15 +177,15 @@ struct Chain {
     unsigned clutch_buttons;
     double release_speed;
     Workspace<T> workspace;
-    ProxyTracker<Field> tracker;
-    Friction<T> friction{coefficients()};
-    ProxyGlide<T> glide{};
+    typename Tip::template Tracker<Field> tracker;
+    Friction friction{coefficients()};
+    typename Tip::template Glide<T> glide{};
     VelocityFilter<double> velocity{};
     double before = 0;
     VirtualCoupling coupling{{material.stiffness, lag}};
     ForceGuard guard;
     vec3<T> stylus{T(0)};
-    Contact<T> contact{};
+    typename Tip::template Contact<T> contact{};
     glm::dvec3 asked{0.0};
     GuardedForce sent{};
 };
@@ -238,12 +239,26 @@ struct Seen {
     return all;
 }
 
-/// Loop and chain with the same samples, and the same done to both between them. False where they differ.
-template <HeightField Field>
-void compare(const Field& field, const Setting& setting, std::uint64_t seed, int updates, Seen& seen) {
+/// The tip of the loop, which has the radius that is told, and that of the chain.
+template <class InLoop, class InChain>
+struct Tips {
+    double radius = 0;
+};
+using Points = Tips<PointTip, PointTip>;
+
+/// Loop and chain with the same samples, and the same done to both between them. Counts where they differ.
+template <HeightField Field, class InLoop, class InChain>
+void compare(const Field& field, const Setting& setting, std::uint64_t seed, int updates, Seen& seen,
+             Tips<InLoop, InChain> tips) {
     const HapticLoopOptions options = options_of(setting);
-    HapticLoop loop{field, options};
-    Chain<Field> chain{field, options};
+    HapticLoop<Field, InLoop> loop{field, options};
+    Chain<Field, InChain> chain{field, options};
+    const auto set_radius = [&](double metres) {
+        const auto radius = static_cast<typename Field::Scalar>(metres);
+        if constexpr (requires { loop.tracker().set_radius(radius); }) loop.tracker().set_radius(radius);
+        if constexpr (requires { chain.tracker.set_radius(radius); }) chain.tracker.set_radius(radius);
+    };
+    set_radius(tips.radius);
     Hand hand{seed, setting};
     Random random{seed + 1};
     for (int n = 0; n < updates; ++n) {
@@ -251,6 +266,7 @@ void compare(const Field& field, const Setting& setting, std::uint64_t seed, int
             const double scale = 4000 * random.between(0.8, 1.25);
             const glm::dvec3 about = widen(chain.contact.proxy);
             REQUIRE(loop.workspace().zoom(scale, about) == chain.workspace.zoom(scale, about));
+            set_radius(tips.radius * scale / 4000);
         }
         if (random.one_in(1500)) loop.reset(), chain.reset();
         if (random.one_in(150)) {
@@ -312,7 +328,7 @@ TEMPLATE_TEST_CASE(
         CAPTURE(m.shading, m.static_friction, m.dynamic_friction, m.damping, setting.lag, setting.clutch,
                 setting.tells_velocity);
         const int before = seen.different;
-        compare(grid, setting, seed, 2000, seen);
+        compare(grid, setting, seed, 2000, seen, Points{});
         CHECK(seen.different == before);
         seed += 2;
     }
@@ -335,13 +351,41 @@ TEMPLATE_TEST_CASE("haptic_loop: wrapped fields are fields like any other", "[ha
     const Terrain<TestType> ground = rough<TestType>();
     const auto grid = ground.grid();
     const ExtendedField endless{grid};
-    const DilatedField raised{endless, TestType(12)};
     Seen seen;
-    const Setting setting{{400, 0.5, 0.4, 0.8, true}, 0.5, 2};
-    compare(endless, setting, 7, 12000, seen);
-    compare(raised, setting, 9, 2000, seen);
+    compare(endless, {{400, 0.5, 0.4, 0.8, true}, 0.5, 2}, 7, 12000, seen, Points{});
     CHECK(seen.different == 0);
     CHECK(seen.touching > 1000);
+}
+
+TEMPLATE_TEST_CASE("haptic_loop: with a ball of radius 0 it is the loop with a point, to the bit",
+                   "[haptic_loop][ball]", float, double) {
+    const Terrain<TestType> ground = rough<TestType>();
+    const auto grid = ground.grid();
+    Seen seen;
+    std::uint64_t seed = 400;
+    for (const Setting& setting : settings())
+        compare(grid, setting, seed += 2, 1000, seen, Tips<BallTip, PointTip>{0});
+    CHECK(seen.different == 0);
+    CHECK(seen.touching > 20000);
+}
+
+TEMPLATE_TEST_CASE(
+    "haptic_loop: a ball is tracked, shaded and held back as by hand, while its radius changes",
+    "[haptic_loop][ball]", float, double) {
+    const Terrain<TestType> ground = rough<TestType>();
+    const auto grid = ground.grid();
+    const ExtendedField endless{grid};
+    Seen seen;
+    std::uint64_t seed = 700;
+    for (const double radius : {0.5, 12.0}) {
+        for (const bool shading : {false, true}) {
+            const Setting setting{{400, 0.5, 0.4, 0.8, shading}, 0.5, 2};
+            compare(grid, setting, seed += 2, 2000, seen, Tips<BallTip, BallTip>{radius});
+            compare(endless, setting, seed += 2, 2000, seen, Tips<BallTip, BallTip>{radius});
+        }
+    }
+    CHECK(seen.different == 0);
+    CHECK(seen.touching > 2000);
 }
 
 TEMPLATE_TEST_CASE("any_haptic_loop: gives what the loop on the field's own type gives", "[any_haptic_loop]",

@@ -17,8 +17,9 @@ TEST_CASE("without a display the viewer says so in one sentence", "[program]") {
 TEST_CASE("the viewer refuses what it cannot do in one sentence", "[program]") {
     const Folder folder;
     for (const char* arguments :
-         {"--size 12", "--size 10x10", "--frames 0", "--device joystick", "missing.bil",
-          "--screenshot a.png --record a.png", "--path missing.csv --screenshot a.png"}) {
+         {"--size 12", "--size 10x10", "--frames 0", "--device joystick", "missing.bil", "--tip -1",
+          "--tip-hand nan", "--tip 20 --tip-hand 2", "--screenshot a.png --record a.png",
+          "--path missing.csv --screenshot a.png"}) {
         const Run made = run(folder, arguments);
         INFO(arguments << ": " << made.err);
         CHECK(made.code == 2);

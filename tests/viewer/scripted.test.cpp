@@ -99,6 +99,55 @@ TEST_CASE("zooming from the whole terrain into one cell and back loses no touch"
     CHECK(largest_step < std::sqrt(3.0) * 0.055e-3 * 1.75 * 400);
 }
 
+TEST_CASE("a ball rests on the ground, keeps its size in the hand while zooming, and loses no touch",
+          "[scripted]") {
+    const auto context = context_or_skip();
+    if (!context) return;
+    viewer::HapticsSettings settings;
+    settings.tip.at_hand = 3e-3;
+    Stage stage{bundled_terrain(), bundled_frame, {320, 200}, settings};
+    (void)stage.frames(15, stage.pointing(0.5, 0.5));
+    (void)stage.frames(60, stage.pointing(0.5, 0.5, true));
+    REQUIRE(stage.hand().touching());
+    int lost = 0;
+    double largest_step = 0, largest_misfit = 0;
+    glm::dvec3 force = stage.hand().force;
+    const auto watch = [&](const viewer::HandState& hand) {
+        lost += !hand.touching();
+        largest_step = std::max(largest_step, glm::length(hand.force - force));
+        force = hand.force;
+        largest_misfit = std::max(largest_misfit, std::abs(hand.tip / hand.scale - 3e-3));
+    };
+    const double before = stage.hand().scale;
+    (void)stage.frames(70, zooming(stage.pointing(0.5, 0.5, true), 0.1), watch);
+    CHECK(stage.hand().scale < before / 100);
+    (void)stage.frames(70, zooming(stage.pointing(0.5, 0.5, true), -0.1), watch);
+    CHECK(lost == 0);
+    CHECK(largest_misfit < 1e-9);
+    INFO("largest step of the force " << largest_step << " N");
+    CHECK(largest_step < 0.5);
+
+    // As large as it is felt, on the ground, and yellow.
+    (void)stage.frames(30, stage.pointing(0.5, 0.5, true));
+    const viewer::HandState& hand = stage.hand();
+    const double ground = stage.touched.ground->height({hand.proxy.x, hand.proxy.y});
+    CHECK(hand.proxy.z >= ground + hand.tip * (1 - 1e-6));
+    CHECK(hand.proxy.z < ground + 2 * hand.tip);
+    const double radius = 3e-3 / stage.shown.camera().pixel_size(stage.target.size()); // pixels
+    const auto [seen, count] = find_proxy(stage.target.size());
+    CHECK(radius > 8);
+    CHECK(count > static_cast<int>(0.5 * radius * radius));
+
+    // The panel's slider acts while it touches; without a radius it is a point again.
+    stage.shown.settings().feel.tip = {.on_terrain = 200, .at_hand = 0};
+    (void)stage.frames(2, stage.pointing(0.5, 0.5, true));
+    CHECK(stage.hand().tip == 200);
+    CHECK(stage.hand().touching());
+    stage.shown.settings().feel.tip = {};
+    (void)stage.frames(2, stage.pointing(0.5, 0.5, true));
+    CHECK(stage.hand().tip == 0);
+}
+
 TEST_CASE("what is touched stays in the picture, from the whole terrain into one cell and out again",
           "[scripted]") {
     const auto context = context_or_skip();

@@ -16,10 +16,12 @@
 namespace hfh {
 
 /// Everything that a ball's friction remembers: a trivially copyable value.
+template <Real T>
 struct BallFrictionState {
-    glm::dvec3 centre{0.0}; ///< in contact: where friction holds the ball
-    Side side = Side::none; ///< in contact: the side on which the surface is felt; else none
-    bool slipping = false;  ///< the centre moved in the last update
+    glm::dvec3 centre{0.0};   ///< in contact: where friction holds the ball
+    Side side = Side::none;   ///< in contact: the side on which the surface is felt; else none
+    bool slipping = false;    ///< the centre moved in the last update
+    FrictionState<T> point{}; ///< with radius 0: all that there is
 };
 
 /// Coulomb friction for a ball: holds it back where it touches the ground.
@@ -38,8 +40,8 @@ struct BallFrictionState {
 /// penetrates. After a slip the dynamic coefficient decides until the stylus is found inside its cone.
 ///
 /// First contact sets the centre to the contact's, release clears it, bad_input leaves it alone. It is set to the contact's (no
-/// hold for this update) where the ground was raised under the ball that is held, where the slip comes to no end, and where
-/// the contact changes sides.
+/// hold for this update) where the ground was raised under the ball that is held, where the slip comes to no end, where the
+/// contact changes sides, and where the radius was 0 or is now.
 ///
 /// The result has proxy, touches and point of the ball that is held; its penetration is centre − stylus, and its normal that of
 /// Σ share·normal, so penetration·normal ≥ 0. A contact that was shaded before has the shaded normals of these touches in their
@@ -61,12 +63,9 @@ public:
                                       const vec3<T>& stylus) noexcept;
 
     /// Forgets where the ball is held, as after a release.
-    constexpr void reset() noexcept {
-        state_ = {};
-        point_.reset();
-    }
-    [[nodiscard]] constexpr const BallFrictionState& state() const noexcept { return state_; }
-    constexpr void restore(const BallFrictionState& state) noexcept { state_ = state; }
+    constexpr void reset() noexcept { state_ = {}; }
+    [[nodiscard]] constexpr const BallFrictionState<T>& state() const noexcept { return state_; }
+    constexpr void restore(const BallFrictionState<T>& state) noexcept { state_ = state; }
 
 private:
     /// Where friction holds the ball now, if it does; `slide` is there then.
@@ -76,7 +75,7 @@ private:
 
     Friction<T> point_;
     Coefficients coefficients_;
-    BallFrictionState state_{};
+    BallFrictionState<T> state_{};
 };
 
 template <Real T>
@@ -87,7 +86,9 @@ BallContact<T> BallFriction<T>::hold(const Field& field, const BallContact<T>& c
     if (contact.status == ContactStatus::bad_input) return contact;
     BallContact<T> held = contact;
     if (!(contact.radius > 0)) {
+        point_.restore(state_.point);
         static_cast<Contact<T>&>(held) = point_.hold(field, contact, stylus);
+        state_ = {.point = point_.state()};
         return held;
     }
     const bool usable = is_at_least_zero(coefficients_.at_rest) && is_at_least_zero(coefficients_.sliding);
@@ -97,6 +98,7 @@ BallContact<T> BallFriction<T>::hold(const Field& field, const BallContact<T>& c
     }
     const bool first = state_.side != contact.side || !(contact.depth > 0);
     state_.side = contact.side;
+    state_.point = {};
     // Beside a rim a solid and a sheet differ, and there a slip that leads round it is none.
     const SurfaceKind surface = contact.side == Side::below ? SurfaceKind::sheet : SurfaceKind::solid;
     detail::BallSlide<Field> slide{field,

@@ -25,6 +25,7 @@ struct BallState {
     TrackerPhase phase = TrackerPhase::unseen;
     /// Since it was seen first, or got round a rim, the ball has overlapped the surface or been below the solid.
     bool is_buried = false;
+    TrackerState<T> point{}; ///< with radius 0: that of the point's tracker; else as it is at the start
 
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
@@ -86,7 +87,8 @@ public:
     [[nodiscard]] constexpr const State& state() const noexcept { return state_; }
     constexpr void restore(const State& state) noexcept {
         state_ = state;
-        hand_to_point();
+        point_.restore(state.point);
+        if (state.point.phase == Phase::unseen) hand_to_point();
     }
     [[nodiscard]] constexpr const Field& field() const noexcept { return point_.field(); }
 
@@ -141,7 +143,7 @@ Index BallTracker<Field>::work_allowed() const noexcept {
     const double radius = widen(radius_);
     const double wide = radius + detail::widest_margin(field(), radius);
     const glm::dvec2 cells = 2 * wide * field().lattice().cells_per_metre() + 3.0;
-    const double least = 8 * glm::min(cells.x * cells.y, 1e9);
+    const double least = 8 * glm::min(cells.x * cells.y, 2.5e8); // an Index of 32 bits holds it
     return glm::max(static_cast<Index>(options_.max_patches), static_cast<Index>(least));
 }
 
@@ -179,11 +181,12 @@ auto BallTracker<Field>::update_point(const vec3<Scalar>& stylus) noexcept -> Ba
     static_cast<Contact<Scalar>&>(contact) = point_.update(stylus);
     if (contact.status == ContactStatus::bad_input) return contact;
     const auto& point = point_.state();
-    state_ = {.centre = widen(contact.proxy),
+    state_ = {.centre = point.touching() ? widen(contact.proxy) : point.swept_to,
               .stylus = widen(stylus),
               .foot = point.proxy,
               .side = point.side,
-              .phase = point.phase};
+              .phase = point.phase,
+              .point = point};
     if (contact.touching()) {
         contact.centre = state_.centre;
         contact.touches[0] = {contact.point, contact.normal, contact.depth};
@@ -196,6 +199,7 @@ template <HeightField Field>
 constexpr void BallTracker<Field>::set_radius(Scalar radius) noexcept {
     const bool was_point = !(radius_ > 0);
     radius_ = valid_radius(radius);
+    if (radius_ > 0) state_.point = {};
     if (!was_point && !(radius_ > 0)) hand_to_point();
 }
 
