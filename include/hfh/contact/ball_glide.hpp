@@ -12,11 +12,13 @@
 namespace hfh {
 
 /// Everything that the glide of a ball remembers: a trivially copyable value.
+template <Real T>
 struct BallGlideState {
     glm::dvec3 centre{0.0};    ///< in contact: where the ball is felt to be
     glm::dvec3 stylus{0.0};    ///< in contact: of the last update
     Side side = Side::none;    ///< in contact: the side on which the surface is felt; else none
     bool is_under_way = false; ///< the ball that is felt has not come to the tracker's
+    GlideState<T> point{};     ///< with radius 0: all that there is
 };
 
 /// Lets the ball of a contact glide, in metres an update, where the tracker's jumps: `ProxyGlide` for a ball.
@@ -48,13 +50,13 @@ public:
         state_ = {};
         point_.reset();
     }
-    [[nodiscard]] constexpr const BallGlideState& state() const noexcept { return state_; }
-    constexpr void restore(const BallGlideState& state) noexcept { state_ = state; }
+    [[nodiscard]] constexpr const BallGlideState<T>& state() const noexcept { return state_; }
+    constexpr void restore(const BallGlideState<T>& state) noexcept { state_ = state; }
 
 private:
     ProxyGlide<T> point_;
     double speed_;
-    BallGlideState state_{};
+    BallGlideState<T> state_{};
 };
 
 template <Real T>
@@ -65,7 +67,9 @@ BallContact<T> BallGlide<T>::follow(const Field& field, const BallContact<T>& co
     if (contact.status == ContactStatus::bad_input) return contact;
     BallContact<T> gliding = contact;
     if (!(contact.radius > 0)) {
+        point_.restore(state_.point);
         static_cast<Contact<T>&>(gliding) = point_.follow(field, contact, stylus);
+        state_ = {.is_under_way = point_.state().is_under_way, .point = point_.state()};
         return gliding;
     }
     const bool usable = speed_ > 0 && speed_ < std::numeric_limits<double>::infinity();
@@ -73,6 +77,7 @@ BallContact<T> BallGlide<T>::follow(const Field& field, const BallContact<T>& co
         reset();
         return contact;
     }
+    state_.point = {};
     const glm::dvec3 to = widen(stylus);
     const bool follows = state_.side == contact.side && contact.depth > 0;
     const double most = speed_ + glm::distance(to, state_.stylus);
