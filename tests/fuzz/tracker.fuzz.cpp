@@ -376,7 +376,9 @@ private:
     void judge_twin(const vec3<T>& stylus, const Moment& before, const Contact<T>& c) {
         Tracker twin{grid_, options_};
         twin.restore(before.state);
-        const Contact<T> same = twin.update(stylus);
+        ProxyGlide<T> glide{glide_speed_, options_.max_patches};
+        glide.restore(before.glide);
+        const Contact<T> same = glide.follow(grid_, twin.update(stylus), stylus);
         if (same.status != c.status || same.side != c.side || same.patches != c.patches ||
             same.proxy != c.proxy || same.normal != c.normal || same.penetration != c.penetration) {
             fail("restored, it answers otherwise", same);
