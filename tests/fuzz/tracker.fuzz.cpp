@@ -525,7 +525,7 @@ private:
         // A search from a released minimum that is under way goes on to where the stylus is now: what it comes to is another
         // contact, and may be farther.
         // So is the tracker's proxy, where a glide ends.
-        const bool ends_glide = last.glide.is_under_way && c.status == ContactStatus::contact;
+        const bool ends_glide = last.glide.is_under_way && !work_->now().glide.is_under_way;
         if (last.contact.touching() && last.state.phase != TrackerPhase::releasing && !ends_glide) {
             const WideSurfacePoint from = wide(last.contact.point);
             if (surface_.patch(from.i, from.j)) {
