@@ -376,7 +376,9 @@ private:
     void judge_twin(const vec3<T>& stylus, const Moment& before, const Contact<T>& c) {
         Tracker twin{grid_, options_};
         twin.restore(before.state);
-        const Contact<T> same = twin.update(stylus);
+        ProxyGlide<T> glide{glide_speed_, options_.max_patches};
+        glide.restore(before.glide);
+        const Contact<T> same = glide.follow(grid_, twin.update(stylus), stylus);
         if (same.status != c.status || same.side != c.side || same.patches != c.patches ||
             same.proxy != c.proxy || same.normal != c.normal || same.penetration != c.penetration) {
             fail("restored, it answers otherwise", same);
@@ -523,7 +525,7 @@ private:
         // A search from a released minimum that is under way goes on to where the stylus is now: what it comes to is another
         // contact, and may be farther.
         // So is the tracker's proxy, where a glide ends.
-        const bool ends_glide = last.glide.is_under_way && c.status == ContactStatus::contact;
+        const bool ends_glide = last.glide.is_under_way && !work_->now().glide.is_under_way;
         if (last.contact.touching() && last.state.phase != TrackerPhase::releasing && !ends_glide) {
             const WideSurfacePoint from = wide(last.contact.point);
             if (surface_.patch(from.i, from.j)) {

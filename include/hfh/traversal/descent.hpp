@@ -98,10 +98,11 @@ namespace detail {
 
 /// How far the point of a descent may move: any distance.
 struct AnyDistance {
+    [[nodiscard]] static constexpr bool is_used_up() noexcept { return false; }
     template <Real T>
-    [[nodiscard]] static constexpr bool cuts_short(const DistanceFunction<T>&, const SurfacePoint<T>&,
-                                                   const vec2<T>&) noexcept {
-        return false;
+    [[nodiscard]] static constexpr NewtonStep shorten(const DistanceFunction<T>&, const SurfacePoint<T>&,
+                                                      const vec2<T>&, NewtonStep step) noexcept {
+        return step;
     }
 };
 
@@ -110,11 +111,14 @@ template <Real T>
 struct DistanceLeft {
     T metres;           ///< ≥ 0
     bool moved = false; ///< the point has moved
+    bool used_up = false;
+
+    [[nodiscard]] bool is_used_up() const noexcept { return used_up; }
 
     /// Shortens a step in a patch, from `at` to `to`, to what is left. The first step goes 2⁻¹² cells at least, so that a
-    /// point on its way is never too slow for its coordinates. True if the step is shortened, which the descent ends with.
-    [[nodiscard]] bool cuts_short(const DistanceFunction<T>& distance, const SurfacePoint<T>& at,
-                                  vec2<T>& to) noexcept {
+    /// point on its way is never too slow for its coordinates. Returns what kind of step that leaves.
+    [[nodiscard]] NewtonStep shorten(const DistanceFunction<T>& distance, const SurfacePoint<T>& at,
+                                     vec2<T>& to, NewtonStep step) noexcept {
         const T du = to.x - at.u, dv = to.y - at.v;
         // A bound of the length on the surface, for the slope along the step is greatest at one of its ends.
         const T slope = glm::max(std::abs(distance.slope_u(at.v) * du + distance.slope_v(at.u) * dv),
@@ -123,13 +127,11 @@ struct DistanceLeft {
         const T least = moved ? T(0) : T(0x1p-12) / glm::max(std::abs(du), std::abs(dv));
         moved = true;
         const T share = glm::max(metres / length, least);
-        if (!(share < 1)) {
-            metres = glm::max(metres - length, T(0));
-            return false;
-        }
-        metres = 0;
+        used_up = share < 1;
+        metres = glm::max(metres - length, T(0));
+        if (!used_up) return step;
         to = {at.u + share * du, at.v + share * dv};
-        return true;
+        return NewtonStep::inside;
     }
 };
 
@@ -330,7 +332,7 @@ enum class PatchEnd : unsigned char {
 }
 
 /// Newton's method from `at` to the minimum of the patch or to its border. `f` and `active` are those of `at`, and again
-/// after PatchEnd::work_limit, but not where `way` cut a step short.
+/// after PatchEnd::work_limit.
 template <Real T, class Way>
 [[nodiscard, gnu::always_inline]] inline PatchEnd
 descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
@@ -338,7 +340,7 @@ descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
                  int max_patches, Way& way) noexcept {
     using enum NewtonStep;
     if (active.is_stationary()) return PatchEnd::minimum;
-    for (;;) {
+    while (!way.is_used_up()) {
         if (steps++ == NewtonOptions{}.max_iterations) {
             steps = 0;
             return PatchEnd::work_limit;
@@ -353,20 +355,17 @@ descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
         if (steps > 3) [[unlikely]]
             distance.snap_flat_axis(to);
         if (to.x == at.u && to.y == at.v) return PatchEnd::resolution;
-        const bool is_cut_short = way.cuts_short(distance, at, to);
+        const auto taken = way.shorten(distance, at, to, step);
         at.u = to.x;
         at.v = to.y;
-        if (is_cut_short) {
-            steps = 0;
-            return PatchEnd::work_limit;
-        }
-        if (on_border(at)) return leads_across(step) ? PatchEnd::crossing : PatchEnd::border;
-        if (step == arrived) return PatchEnd::minimum;
+        if (on_border(at)) return leads_across(taken) ? PatchEnd::crossing : PatchEnd::border;
+        if (taken == arrived) return PatchEnd::minimum;
         f = distance(at.u, at.v);
         active = {distance, f, vec2<T>{at.u, at.v}};
         if (step == refused && patches >= max_patches) return PatchEnd::work_limit;
         if (active.is_stationary()) return PatchEnd::minimum;
     }
+    return PatchEnd::work_limit;
 }
 
 /// Goes on in the patch across the edge that was just reached, if F falls there and not back here. Most edges lie across
