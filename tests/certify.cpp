@@ -452,8 +452,11 @@ template <Real T>
 void limited() {
     each_terrain<T>([&](const char* terrain, Terrain<T> ground) {
         ground.frame.spacing = glm::min(ground.frame.spacing, glm::dvec2{10.0});
-        for (const int slide : {1, 8, 64}) {
-            Witness<T> witness{ground, {.max_contact_patches = slide}};
+        const double cell = std::sqrt(ground.frame.spacing.x * ground.frame.spacing.y);
+        const int ample = TrackerOptions{}.max_contact_patches;
+        for (const auto& [slide, glide] :
+             {std::pair{1, 0.0}, {8, 0.0}, {64, 0.0}, {ample, 0.5 * cell}, {8, 2.5 * cell}}) {
+            Witness<T> witness{ground, {.max_contact_patches = slide}, glide};
             long on_the_way = 0;
             const auto follow = [&](auto&& hand, long count) {
                 witness.reset();
@@ -465,14 +468,16 @@ void limited() {
                 for (const double deep : {0.5, 5.0}) follow(Plough<T>{ground, step, deep, 110}, counted(2e4));
             }
             if (witness.faults > 0) std::printf("  %s\n", witness.first_fault.c_str());
-            report("limited", name<T>,
-                   text("%s, max_contact_patches %d, %d updates, %.0f %% in contact, %.2f %% with a proxy on "
-                        "its way, %d "
-                        "dropped, %d other faults, at most %d patches",
-                        terrain, slide, witness.updates, 100.0 * witness.contacts / witness.updates,
-                        100.0 * static_cast<double>(on_the_way) / witness.updates, witness.dropped,
-                        witness.faults - witness.dropped, witness.most_patches),
-                   witness.faults);
+            report(
+                "limited", name<T>,
+                text("%s, max_contact_patches %d%s, %d updates, %.0f %% in contact, %.2f %% with a proxy on "
+                     "its way, %d "
+                     "dropped, %d other faults, at most %d patches",
+                     terrain, slide, glide > 0 ? text(", glides %g cells", glide / cell).c_str() : "",
+                     witness.updates, 100.0 * witness.contacts / witness.updates,
+                     100.0 * static_cast<double>(on_the_way) / witness.updates, witness.dropped,
+                     witness.faults - witness.dropped, witness.most_patches),
+                witness.faults);
         }
     });
 }
@@ -492,7 +497,7 @@ void strokes() {
         const TrackerOptions options{.surface = random.one_in(5) ? SurfaceKind::sheet : SurfaceKind::solid,
                                      .max_patches = any_limit(random),
                                      .max_contact_patches = any_limit(random)};
-        LimitedWork<T> work{ground, options};
+        LimitedWork<T> work{ground, options, any_glide_speed(random, ground)};
         work.judges_rest = kind <= HardGround::crease;
         stroke_about(work, ground, random);
         updates += work.updates, contacts += work.contacts, rests += work.rests;

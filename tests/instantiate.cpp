@@ -86,13 +86,14 @@ template class TripleBuffer<DeviceSample>;
     template class ExtendedField<BilinearGrid<double, HeightView<S>>>;                                       \
     template class BridgedField<BilinearGrid<float, HeightView<S>>>;                                         \
     template class BridgedField<BilinearGrid<double, HeightView<S>>>;                                        \
-    template class BallTracker<BilinearGrid<float, HeightView<S>>>;                                          \
     template class FieldLoop<BilinearGrid<double, HeightView<S>>, BallTip>;                                  \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
     template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
     template class HapticLoop<BilinearGrid<float, HeightView<S>>>;                                           \
+    template class BallTracker<BilinearGrid<float, HeightView<S>>>;                                          \
+    template class HapticLoop<BilinearGrid<double, HeightView<S, MissingValue<S>>>, BallTip>;                \
     template class FieldLoop<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                          \
     template struct SampleRange<S>;                                                                          \
     template class MinMaxPyramid<S>;                                                                         \

@@ -81,18 +81,19 @@ struct Kind {
     double cell, depth; // m, cells
     bool in_hand;
     hfh::TrackerOptions options{};
+    Feel feel{};
 };
 
 /// All ways over one ground, at `cells` an update.
 template <Real T>
-Ratios on_ground(const hfh::test::Terrain<T>& terrain, const Kind& kind, double cells, const Effort& effort,
+Ratios on_ground(const hfh::test::Terrain<T>& terrain, const Kind& kind, double cells, int paths,
                  Findings& findings) {
     Site<T> site{terrain, 14};
     Touching<T> touching{terrain, stiffness,
-                         kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited,
-                         kind.options};
+                         kind.in_hand ? hfh::simulated_touch.capabilities.max_force : unlimited, kind.options,
+                         kind.feel};
     Ratios ratios;
-    for (int n = effort.counted(40); n > 0; --n) {
+    for (int n = paths; n > 0; --n) {
         const auto path = site.wander(kind.depth * kind.cell, cells * kind.cell, kind.cell, 500);
         if (kind.in_hand)
             in_hand(touching, path, ratios);
@@ -102,6 +103,40 @@ Ratios on_ground(const hfh::test::Terrain<T>& terrain, const Kind& kind, double 
     const bool glides = kind.options.max_contact_patches < hfh::TrackerOptions{}.max_contact_patches;
     (glides ? findings.gliding : findings.lag).add(touching);
     return ratios;
+}
+
+/// Friction and shading, each and together. The goal is for both, on ground on which the force without either is steady
+/// enough: not on the Kinect's depth image, with its cliffs.
+template <Real T>
+void friction_and_shading(const Effort& effort, Findings& findings) {
+    const auto all = grounds<T>(1e-3);
+    for (const auto& [what, feel] :
+         {std::pair{"without either", Feel{}},
+          {"with friction", Feel{.friction = true}},
+          {"with shading", Feel{.shading = true}},
+          {"with friction and shading", Feel{.friction = true, .shading = true}}}) {
+        const Kind kind{what, 1e-3, 5, false, {}, feel};
+        double most = 0, on_cliffs = 0;
+        std::string where;
+        Findings::Detail detail{
+            text("ΔF/(k·Δhand) at 0.5 cells an update, 5 cells deep, %s: mean, 99 %%, largest", what), {}};
+        for (const auto& ground : all) {
+            auto ratios = on_ground(ground.terrain, kind, 0.5, effort.counted(40, 10), findings);
+            const double mean = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
+            detail.by_ground.push_back(text("%.2f, %.1f, %.0f", mean, at_99, top));
+            if (ground.name == "kinect_boxes")
+                on_cliffs = mean;
+            else if (mean > most)
+                most = mean, where = ground.name;
+        }
+        findings.details.push_back(detail);
+        const bool has_goal = feel.friction && feel.shading;
+        findings.rows.push_back(
+            {text("force steps ΔF/(k·Δhand) at 0.5 cells an update, 5 cells deep, %s: mean", what),
+             has_goal ? "≤ 1.0" : "",
+             text("%.2f (%s); kinect_boxes, a depth image with cliffs: %.2f", most, where.c_str(), on_cliffs),
+             has_goal ? verdict(most <= 1) : Verdict::none});
+    }
 }
 
 } // namespace
@@ -123,7 +158,7 @@ void steps(const Effort& effort, Findings& findings) {
             Findings::Detail detail{
                 text("ΔF/(k·Δhand) at %g cells an update, %s: mean, 99 %%, largest", cells, kind.name), {}};
             for (const auto& ground : all) {
-                auto ratios = on_ground(ground.terrain, kind, cells, effort, findings);
+                auto ratios = on_ground(ground.terrain, kind, cells, effort.counted(40), findings);
                 const double here = ratios.mean(), at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
                 detail.by_ground.push_back(text("%.2f, %.1f, %.0f", here, at_99, top));
                 if (here > mean) mean = here, where = ground.name;
@@ -141,6 +176,7 @@ void steps(const Effort& effort, Findings& findings) {
                                                            : Verdict::not_met});
         }
     }
+    friction_and_shading<T>(effort, findings);
 }
 
 template void steps<float>(const Effort&, Findings&);

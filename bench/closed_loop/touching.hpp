@@ -4,6 +4,8 @@
 #include "grounds.hpp"
 #include "reference.hpp"
 
+#include <hfh/contact/force_shading.hpp>
+#include <hfh/contact/friction.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/force/force_evaluator.hpp>
 
@@ -13,14 +15,20 @@
 
 namespace closed_loop {
 
+/// What is done to a contact before it becomes a force.
+struct Feel {
+    bool friction = false; ///< with the coefficients 0.5 and 0.4
+    bool shading = false;
+};
+
 /// Positions in, forces out, and a watcher beside it that knows the heights, the position and the answer and shares no
 /// code with the library: is the proxy at a local minimum?
 template <Real T>
 class Touching {
 public:
     Touching(const hfh::test::Terrain<T>& terrain, double stiffness, double max_force = 1e30,
-             const hfh::TrackerOptions& options = {})
-        : surface_{terrain}, grid_{terrain.grid()}, tracker_{grid_, options},
+             const hfh::TrackerOptions& options = {}, const Feel& feel = {})
+        : surface_{terrain}, grid_{terrain.grid()}, tracker_{grid_, options}, feel_{feel},
           force_{.stiffness = static_cast<T>(stiffness), .max_force = static_cast<T>(max_force)} {}
     Touching(const Touching&) = delete;
     Touching& operator=(const Touching&) = delete;
@@ -28,7 +36,7 @@ public:
     /// The force at `position`, N.
     [[nodiscard]] glm::dvec3 update(const glm::dvec3& position) {
         const hfh::vec3<T> stylus{position};
-        const auto contact = tracker_.update(stylus);
+        auto contact = tracker_.update(stylus);
         touching_ = contact.touching();
         if (touching_) {
             ++contacts_;
@@ -37,6 +45,8 @@ public:
                 surface_.template fall<T>(hfh::test::wide(contact.point), hfh::test::wide(stylus)) > 64;
             unfinished_ += contact.status != hfh::ContactStatus::contact;
         }
+        if (feel_.shading) contact = hfh::shade_force(grid_, contact);
+        if (feel_.friction) contact = friction_.hold(grid_, contact, stylus);
         return glm::dvec3{force_(contact).newtons};
     }
     /// Forgets the stylus.
@@ -51,6 +61,8 @@ private:
     hfh::test::Surface<T> surface_;
     typename hfh::test::Terrain<T>::Grid grid_;
     hfh::ProxyTracker<typename hfh::test::Terrain<T>::Grid> tracker_;
+    Feel feel_;
+    hfh::Friction<T> friction_{};
     hfh::ForceEvaluator<T> force_;
     bool touching_ = false;
     long contacts_ = 0, jammed_ = 0, unfinished_ = 0;

@@ -7,6 +7,7 @@
 #include <hfh/geometry/closest_point.hpp>
 #include <hfh/geometry/distance_function.hpp>
 #include <hfh/geometry/global_closest_point.hpp>
+#include <hfh/geometry/half_spaces.hpp>
 #include <hfh/geometry/lattice.hpp>
 #include <hfh/geometry/newton_step.hpp>
 #include <hfh/geometry/patch_minima.hpp>

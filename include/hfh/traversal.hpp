@@ -3,6 +3,9 @@
 
 // Which patches a segment may touch, where it first hits, and the way down to the closest point.
 
+#include <hfh/traversal/ball_obstacles.hpp>
+#include <hfh/traversal/ball_slide.hpp>
+#include <hfh/traversal/ball_sweep.hpp>
 #include <hfh/traversal/candidate_walker.hpp>
 #include <hfh/traversal/cell_crossing.hpp>
 #include <hfh/traversal/descent.hpp>

@@ -16,6 +16,8 @@ struct WideSlopes {
     Wide x = 0, y = 0;
 };
 
+Point scaled(Wide by, const Point& p) { return {by * p.x, by * p.y, by * p.z}; }
+
 /// The slopes at vertex (i, j) straight from the definition: the mean over the patches that meet there of the slopes
 /// of their edges that end there.
 template <Real T>
@@ -169,14 +171,15 @@ TEMPLATE_TEST_CASE("shade_force: on a plane nothing changes but roundings, on le
     }
 }
 
-TEMPLATE_TEST_CASE("shade_force: turns the force along the shaded normal, keeps depth, proxy and side",
-                   "[force_shading]", float, double) {
+TEMPLATE_TEST_CASE(
+    "shade_force: turns the force along the shaded normal, not into the face, keeps depth and proxy",
+    "[force_shading]", float, double) {
     using T = TestType;
     Random random{86};
     for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
         for (const double sign : {1.0, -1.0}) {
             if (kind == SurfaceKind::solid && sign < 0) continue;
-            int touching = 0;
+            int touching = 0, leaning = 0;
             for (const auto& scene : scenes<T>()) {
                 const Surface<T> surface{scene.terrain};
                 const auto grid = scene.terrain.grid();
@@ -204,7 +207,16 @@ TEMPLATE_TEST_CASE("shade_force: turns the force along the shaded normal, keeps 
                     const auto slopes = wide_slopes(surface, wide(contact.point));
                     const Wide out = contact.side == Side::below ? -1 : 1;
                     const Wide steepness = out * std::sqrt(1 + slopes.x * slopes.x + slopes.y * slopes.y);
-                    const Point wanted{-slopes.x / steepness, -slopes.y / steepness, 1 / steepness};
+                    const Point mean{-slopes.x / steepness, -slopes.y / steepness, 1 / steepness};
+                    const Point face = wide(contact.normal);
+                    const Wide off = dot(mean, face);
+                    // Not into the face: a mean normal that leans so far lies in the face.
+                    const Point along = mean - scaled(off, face);
+                    const Point wanted = off < 0 ? scaled(1 / length(along), along) : mean;
+                    leaning += off < 0;
+                    CHECK(shaded.shaded);
+                    CHECK(dot(wide(shaded.penetration), face) >=
+                          -8 * static_cast<Wide>(epsilon<T>) * static_cast<Wide>(contact.depth));
                     const Wide tolerance =
                         16 * static_cast<Wide>(epsilon<T>) *
                         (1 + steepest(surface, contact.point.cell.i, contact.point.cell.j));
@@ -221,6 +233,7 @@ TEMPLATE_TEST_CASE("shade_force: turns the force along the shaded normal, keeps 
                 }
             }
             CHECK(touching > 1000);
+            CHECK(leaning > 10);
         }
     }
 }

@@ -273,9 +273,9 @@ public:
         const auto contact = friction_.hold(grid_, free, at);
         const auto& after = friction_.state();
         REQUIRE(contact.status == free.status);
-        REQUIRE(contact.normal == free.normal);
         if (!contact.touching()) {
             REQUIRE(after.side == Side::none);
+            REQUIRE(contact.normal == free.normal);
             REQUIRE(contact.proxy == free.proxy);
             return;
         }
@@ -289,6 +289,7 @@ public:
         REQUIRE(length(wide(contact.proxy) - anchor) <= blur);
         if (same(after.anchor, free.point)) { // nothing held it, or nothing had to
             REQUIRE(contact.penetration == free.penetration);
+            REQUIRE(contact.normal == free.normal);
             return;
         }
         REQUIRE(length(wide(contact.penetration) - push) <= blur);
@@ -299,6 +300,15 @@ public:
         const Wide most = static_cast<Wide>(after.slipping || before.slipping ? sliding : at_rest);
         const Wide slack = blur / length(push) * (1 + most) * 4;
         REQUIRE(lean <= most + slack);
+        // The normal is one that the ground has there, and the force is inside the cone that hangs from it.
+        const Point n = wide(contact.normal);
+        REQUIRE(std::abs(length(n) - 1) <= 8 * eps);
+        // `tangent` finds a cosine's maximum, which tells the angle to the root of long double's rounding. It is slow.
+        if ((counts.held + counts.slipped) % 16 == 0)
+            REQUIRE(tangent(surface_, after.anchor, n, after.side) <=
+                    1e-9L + 64 * eps * steepness(after.anchor));
+        REQUIRE(dot(push, n) > 0);
+        REQUIRE(length(cross(push, n)) <= (most + slack) * dot(push, n));
         if (!after.slipping) {
             ++counts.held;
             REQUIRE(same(before.anchor, after.anchor));
@@ -310,6 +320,12 @@ public:
 
 private:
     static constexpr T at_rest = T(0.625), sliding = T(0.375);
+
+    /// 1 plus the height over the width of the cell: by how much more than its coordinates a normal is rounded.
+    [[nodiscard]] Wide steepness(const SurfacePoint<T>& at) const {
+        const auto p = surface_.patch(at.cell.i, at.cell.j);
+        return 1 + (std::abs(p->lowest()) + std::abs(p->highest())) / std::min(p->dx, p->dy);
+    }
 
     /// On the straight way in plan from one anchor to the next, or on one that bends at the crease in which the proxy is.
     void judge_slip(const SurfacePoint<T>& before, const FrictionState<T>& after,
@@ -853,30 +869,104 @@ TEMPLATE_TEST_CASE("Friction: coefficients that are none mean no friction", "[fr
     }
 }
 
-TEMPLATE_TEST_CASE("Friction: composes with shading: what it holds back is added to the shaded force",
-                   "[friction]", float, double) {
-    using T = TestType;
-    const auto ground = hills<T>(24, 20, 1, 8);
+namespace {
+
+/// A hand that ploughs through rough ground, two cells deep, from one corner to the other and back: what it feels at each
+/// place, with shading or without.
+template <Real T, class Each>
+void plough(const Terrain<T>& ground, SurfaceKind kind, bool shaded, Friction<T>& friction, Each each) {
     const auto grid = ground.grid();
     const Surface<T> surface{ground};
-    ProxyTracker tracker{grid};
-    Friction<T> plain{{T(0.5), T(0.25)}}, shading{{T(0.5), T(0.25)}};
-    int held = 0;
-    for (int n = -1; n < 500; ++n) {
-        const double x = 6 + 0.02 * std::max(n, 0), y = 8 + 0.004 * n;
-        const vec3<T> at{static_cast<T>(x), static_cast<T>(y),
-                         static_cast<T>(*surface.height(Wide(x), Wide(y)) + (n < 0 ? 1 : Wide(-0.125L)))};
+    ProxyTracker tracker{grid, {.surface = kind}};
+    const glm::dvec2 low = ground.low(), way = ground.high() - low;
+    const double cell = ground.frame.spacing.x;
+    const int count = static_cast<int>(2 * glm::length(way) / cell);
+    for (int n = -1; n < 2 * count; ++n) {
+        const double s = 0.15 + 0.7 * std::abs(1 - std::max(n, 0) / static_cast<double>(count));
+        const double x = low.x + way.x * s, y = low.y + way.y * s * s;
+        const vec3<T> at{
+            static_cast<T>(x), static_cast<T>(y),
+            static_cast<T>(*surface.height(Wide(x), Wide(y)) + Wide(n < 0 ? 30 * cell : -2 * cell))};
         const auto free = tracker.update(at);
-        const auto shaded = shade_force(grid, free);
-        const auto a = plain.hold(grid, free, at), b = shading.hold(grid, shaded, at);
-        if (!free.touching()) continue;
-        CHECK(same(a.point, b.point));
-        CHECK(glm::length((b.penetration - shaded.penetration) - (a.penetration - free.penetration)) <=
-              8 * epsilon<T>);
-        CHECK(b.normal == shaded.normal);
-        held += a.penetration != free.penetration;
+        const auto before = friction.state();
+        each(grid, free, before, friction.hold(grid, shaded ? shade_force(grid, free) : free, at), at);
     }
-    CHECK(held > 300);
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("Friction: a shaded contact is held inside the cone of the shaded normal",
+                   "[friction][law]", float, double) {
+    using T = TestType;
+    constexpr T at_rest = T(0.5), sliding = T(0.375);
+    int stuck = 0, slipped = 0, turned = 0;
+    for (const auto kind : {SurfaceKind::solid, SurfaceKind::sheet}) {
+        for (const auto& scene : scenes<T>()) {
+            const Surface<T> surface{scene.terrain};
+            Friction<T> friction{{at_rest, sliding}};
+            plough(
+                scene.terrain, kind, true, friction,
+                [&](const auto& grid, const Contact<T>& free, const FrictionState<T>& before,
+                    const Contact<T>& held, const vec3<T>& at) {
+                    if (!held.touching() || !(free.depth > 0)) return;
+                    const auto& after = friction.state();
+                    REQUIRE(same(held.point, after.anchor));
+                    const Point push = surface.position(wide(after.anchor)) - wide(at), n = wide(held.normal);
+                    const Wide size = length(push), eps = static_cast<Wide>(epsilon<T>);
+                    const auto patch = surface.patch(after.anchor.cell.i, after.anchor.cell.j);
+                    const Wide slack = 64 * eps *
+                                       (size + std::abs(wide(at).z) + std::abs(wide(at).x) +
+                                        std::abs(wide(at).y) + patch->reach({}));
+                    const Wide most = static_cast<Wide>(after.slipping ? sliding : at_rest);
+                    const Point force = wide(held.penetration);
+                    // Turned, at most; inside the cone; no pull along the normal; not into the face.
+                    REQUIRE(std::abs(length(force) - size) <= slack);
+                    REQUIRE(static_cast<Wide>(held.depth) == Approx(double(size)).margin(double(slack)));
+                    REQUIRE(length(cross(force, n)) <= most * dot(force, n) + 4 * slack);
+                    REQUIRE(dot(force, n) >= 0);
+                    const bool inside =
+                        after.anchor.u > 0 && after.anchor.u < 1 && after.anchor.v > 0 && after.anchor.v < 1;
+                    const Point face = patch->normal(wide(after.anchor).u, wide(after.anchor).v);
+                    const Wide side = after.side == Side::below ? Wide(-1) : Wide(1);
+                    if (inside && side * dot(push, face) > slack) REQUIRE(side * dot(force, face) >= -slack);
+                    const bool is_turned = length(force - push) > slack;
+                    const auto slopes = *shaded_slopes(grid, held.point);
+                    const Point mean = wide(glm::normalize(vec3<T>{-slopes, T(1)}));
+                    if (inside && dot(mean, face) > 0)
+                        REQUIRE(length(n - Point{side * mean.x, side * mean.y, side * mean.z}) <= 64 * eps);
+                    turned += is_turned;
+                    slipped += after.slipping;
+                    if (!after.slipping && same(before.anchor, after.anchor)) {
+                        ++stuck; // and what sticks is the anchor itself, its force that of the spring
+                        REQUIRE_FALSE(is_turned);
+                    }
+                });
+        }
+    }
+    CAPTURE(stuck, slipped, turned);
+    CHECK(stuck > 300);
+    CHECK(slipped > 500);
+    CHECK(turned > 50);
+}
+
+TEMPLATE_TEST_CASE("Friction: the force is no less steady with shading than without", "[friction]", float,
+                   double) {
+    using T = TestType;
+    // The mean step of the force, in metres of penetration.
+    const auto unsteadiness = [](bool shaded) {
+        Friction<T> friction{};
+        double sum = 0;
+        vec3<T> last{T(0)};
+        const auto ground = rough_in_steps<T>(60, 60, 0.5, 77);
+        plough(ground, SurfaceKind::solid, shaded, friction,
+               [&](const auto&, const auto&, const auto&, const Contact<T>& held, const auto&) {
+                   if (last != vec3<T>{T(0)})
+                       sum += static_cast<double>(glm::length(held.penetration - last));
+                   last = held.penetration;
+               });
+        return sum;
+    };
+    CHECK(unsteadiness(true) < 0.8 * unsteadiness(false));
 }
 
 TEST_CASE("Friction: its state is small and plain", "[friction]") {

@@ -31,7 +31,7 @@ void check_strokes(HardGround first, HardGround last, int grounds, std::uint64_t
         const TrackerOptions options{.surface = random.one_in(5) ? SurfaceKind::sheet : SurfaceKind::solid,
                                      .max_patches = any_limit(random),
                                      .max_contact_patches = any_limit(random)};
-        LimitedWork<T> work{ground, options};
+        LimitedWork<T> work{ground, options, any_glide_speed(random, ground)};
         stroke_about(work, ground, random);
         updates += work.updates, contacts += work.contacts, rests += work.rests;
         if (work.fault().empty()) continue;

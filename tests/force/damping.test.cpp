@@ -1,6 +1,9 @@
 #include "catch.hpp"
 #include "support/reference.hpp"
+#include "support/scenes.hpp"
 
+#include <hfh/contact/force_shading.hpp>
+#include <hfh/contact/friction.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/force/damping.hpp>
 
@@ -251,6 +254,52 @@ TEMPLATE_TEST_CASE("Damping: a tap begins without a blow and ends without a pull
             CHECK(pressed > 100);
             CHECK(plain > 10);
         }
+    }
+}
+
+TEMPLATE_TEST_CASE("Damping: never pulls on a contact that friction holds back, shaded or not",
+                   "[damping][law]", float, double) {
+    using T = TestType;
+    const ForceEvaluator<T> spring{.stiffness = T(500)};
+    const Damping<T> damping{T(20), T(10)};
+    for (const bool shaded : {false, true}) {
+        int held = 0, off_the_proxy = 0, lifted = 0;
+        Random random{44};
+        for (const auto& scene : scenes<T>()) {
+            const Surface<T> surface{scene.terrain};
+            const auto grid = scene.terrain.grid();
+            const glm::dvec2 low = scene.terrain.low(), size = scene.terrain.high() - low;
+            const double cell = scene.terrain.frame.spacing.x;
+            ProxyTracker tracker{grid};
+            Friction<T> friction{};
+            for (int n = 0; n < 600; ++n) {
+                const double s = 0.1 + 0.8 * n / 600.0;
+                const T x = static_cast<T>(low.x + s * size.x), y = static_cast<T>(low.y + (1 - s) * size.y);
+                const auto z = *surface.height(Wide(x), Wide(y));
+                const double above = n % 100 == 0 ? 30 * cell : random.between(-1, 0) * cell;
+                const vec3<T> at{x, y, static_cast<T>(z + Wide(above))};
+                auto contact = tracker.update(at);
+                const bool is_held_back = contact.status == ContactStatus::contact && contact.depth > 0;
+                if (shaded) contact = shade_force(grid, contact);
+                const auto proxy = contact.point;
+                contact = friction.hold(grid, contact, at);
+                if (!is_held_back) continue;
+                const bool is_off = !(proxy.cell == contact.point.cell && proxy.u == contact.point.u &&
+                                      proxy.v == contact.point.v);
+                if (!shaded && !is_off) continue; // the tracker's
+                ++held;
+                off_the_proxy += is_off;
+                const vec3<T> velocity = random_vector<T>(random, 0.5);
+                const vec3<T> newtons = damping(spring, contact, velocity).newtons;
+                const T rounding = 32 * epsilon<T> * spring.stiffness * contact.depth;
+                REQUIRE(glm::dot(contact.penetration, contact.normal) >= 0);
+                REQUIRE(glm::dot(newtons, contact.normal) >= -rounding);
+                lifted += glm::dot(velocity, contact.normal) > 0;
+            }
+        }
+        CAPTURE(shaded, held, off_the_proxy, lifted);
+        CHECK(off_the_proxy > 500);
+        CHECK(lifted > 200);
     }
 }
 

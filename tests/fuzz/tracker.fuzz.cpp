@@ -88,7 +88,8 @@ public:
         force_.stiffness = stiffnesses[bytes.byte() % stiffnesses.size()];
         constexpr std::array<T, 4> most{T(3.3), T(0), T(1e-30), T(1e30)};
         force_.max_force = most[bytes.byte() % most.size()];
-        work_.emplace(terrain_, options_);
+        if (bytes.flag()) glide_speed_ = test::longest_patch(terrain_) / bytes.whole(1, 16);
+        work_.emplace(terrain_, options_, glide_speed_);
         work_->judges_rest = rest_is_judged_;
         place(bytes.share(), bytes.share());
         lift(2 * stride_);
@@ -419,8 +420,8 @@ private:
         const bool limited = options_.max_patches < ample.max_patches ||
                              options_.max_contact_patches < ample.max_contact_patches;
         // An update may leave a search to the next one, rather than begin what it cannot end: that is some cells.
-        const bool worked =
-            limited && c.patches + 6 >= std::min(options_.max_contact_patches, options_.max_patches);
+        const bool worked = glides() || (limited && c.patches + 6 >= std::min(options_.max_contact_patches,
+                                                                              options_.max_patches));
         const Point q = wide(stylus);
         const Memory was = remember(stylus, c);
         const Wide tolerance = tolerance_, above = above_;
@@ -521,7 +522,9 @@ private:
         // Each patch adds the rounding of the heights over the query and of the places in cells to the distance.
         // A search from a released minimum that is under way goes on to where the stylus is now: what it comes to is another
         // contact, and may be farther.
-        if (last.contact.touching() && last.state.phase != TrackerPhase::releasing) {
+        // So is the tracker's proxy, where a glide ends.
+        const bool ends_glide = last.glide.is_under_way && c.status == ContactStatus::contact;
+        if (last.contact.touching() && last.state.phase != TrackerPhase::releasing && !ends_glide) {
             const WideSurfacePoint from = wide(last.contact.point);
             if (surface_.patch(from.i, from.j)) {
                 const Wide began = length(surface_.position(from) - q), ended = length(offset);
@@ -607,6 +610,7 @@ private:
     }
     /// Whether there was surface all the way from the last position to this one. Among holes that says something while
     /// the stylus is free only, for the proxy goes its own way.
+    [[nodiscard]] bool glides() const { return glide_speed_ > 0; }
     [[nodiscard]] bool all_over_surface(const Point& to, const Memory& was) const {
         if (!holes_) return true;
         if (was.touching) return false;
@@ -625,7 +629,7 @@ private:
         const auto& f = terrain_.frame;
         add(options_.surface == SurfaceKind::solid ? "solid" : "sheet", "max_patches",
             std::to_string(options_.max_patches), "max_contact_patches",
-            std::to_string(options_.max_contact_patches));
+            std::to_string(options_.max_contact_patches), "glide", test::digits(glide_speed_));
         add(std::to_string(terrain_.columns), "x", std::to_string(terrain_.rows), "origin",
             test::digits(f.origin.x), test::digits(f.origin.y));
         add("spacing", test::digits(f.spacing.x), test::digits(f.spacing.y), "heights now, south row first:");
@@ -673,6 +677,7 @@ private:
     bool holes_ = false; // there are, or were
     /// Cliffs are not so high that nothing but what holds in any case can be said of a contact.
     bool tame_ = true, rest_is_judged_ = true;
+    double glide_speed_ = 0; // m an update; 0: none
 };
 
 /// A field that breaks its contract, with NaN, infinity and numbers without squares for heights: an update returns within

@@ -5,6 +5,7 @@
 #include "hard_ground.hpp"
 #include "reference.hpp"
 
+#include <hfh/contact/proxy_glide.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 
 #include <algorithm>
@@ -19,18 +20,29 @@
 
 namespace hfh::test {
 
+/// A bound of how long a way over one patch is, metres.
+template <Real T>
+[[nodiscard]] double longest_patch(const Terrain<T>& terrain) {
+    double low = 0, high = 0;
+    for (const T height : terrain.heights) {
+        if (!(std::abs(height) < no_height_from<T>)) continue;
+        low = std::min(low, static_cast<double>(height)), high = std::max(high, static_cast<double>(height));
+    }
+    return terrain.frame.spacing.x + terrain.frame.spacing.y + (high - low);
+}
+
 /// The square of a smaller length is no number of T, and a depth comes out as zero.
 template <Real T>
 inline const Wide no_square = std::sqrt(static_cast<Wide>(std::numeric_limits<T>::min()));
 
-/// Follows a tracker with limited work on ground that may be edited.
+/// Follows a tracker with limited work on ground that may be edited, and a glide behind it if that has a speed.
 ///
 /// Bounded: `patches` ≤ max_patches + 16, and the looks counted in the field are no more than four times that.
 /// Never dropped: on ground without holes, a stylus that was in contact, stayed over the grid and has the surface over it
 /// (felt from below: under it) by more than roundings is in contact, with a force.
 /// Gets there: at rest, contact or freedom after 64 + 4·n/w updates and no change by one ulp from then on, with little
 /// work; w = min(max_patches, max_contact_patches), n = cells between the proxy and the stylus plus the patches that unlimited work
-/// looks at on the same way. At the rim and over a hole, where a rounding decides, the status may change once more.
+/// looks at on the same way. With a glide 16 more for each patch of them that is longer than its speed. At the rim and over a hole, where a rounding decides, the status may change once more.
 /// Nothing out of nothing: no force where unlimited work, once at rest, gives none.
 template <Real T>
 class LimitedWork {
@@ -38,8 +50,9 @@ public:
     using Grid = typename Terrain<T>::Grid;
     using Field = CountingField<Grid>;
 
-    LimitedWork(const Terrain<T>& terrain, const TrackerOptions& options)
-        : terrain_{&terrain}, options_{options}, grid_{terrain.grid()}, holes_{!without_holes(terrain)} {}
+    LimitedWork(const Terrain<T>& terrain, const TrackerOptions& options, double glide_speed = 0)
+        : terrain_{&terrain}, options_{options}, grid_{terrain.grid()},
+          glide_speed_{glide_speed}, holes_{!without_holes(terrain)} {}
     LimitedWork(const LimitedWork&) = delete;
     LimitedWork& operator=(const LimitedWork&) = delete;
 
@@ -52,8 +65,8 @@ public:
         before_ = now_;
         stylus_ = stylus;
         field_.forget_looks();
-        last_ = tracker_.update(stylus);
-        if (last_.status != ContactStatus::bad_input) now_ = {tracker_.state(), last_};
+        last_ = glide_.follow(field_, tracker_.update(stylus), stylus);
+        if (last_.status != ContactStatus::bad_input) now_ = {tracker_.state(), last_, glide_.state()};
         ++updates;
         contacts += last_.touching();
         if (const char* what = judge()) note(what);
@@ -65,7 +78,9 @@ public:
         ++rests;
         const Unlimited unlimited = settle(stylus);
         const double cells = cells_to(stylus) + unlimited.patches,
-                     enough = 64 + 4 * cells / std::min(options_.max_patches, options_.max_contact_patches);
+                     to_glide = glides() ? 16 * cells * (1 + longest_patch(*terrain_) / glide_speed_) : 0,
+                     enough = 64 + to_glide +
+                              4 * cells / std::min(options_.max_patches, options_.max_contact_patches);
         Contact<T> c = update(stylus);
         for (double n = 1; is_on_its_way(c) && n <= enough; ++n) {
             check_force(c, unlimited);
@@ -101,15 +116,18 @@ public:
     struct Moment {
         TrackerState<T> state{};
         Contact<T> contact{};
+        GlideState<T> glide{};
     };
     [[nodiscard]] const Moment& now() const noexcept { return now_; }
     void go_back_to(const Moment& moment) noexcept {
         now_ = moment;
         tracker_.restore(moment.state);
+        glide_.restore(moment.glide);
     }
     void reset() noexcept {
         now_ = {};
         tracker_.reset();
+        glide_.reset();
     }
     [[nodiscard]] const ProxyTracker<Field>& tracker() const noexcept { return tracker_; }
 
@@ -189,12 +207,15 @@ private:
         return {sample(i, j), sample(i + 1, j), sample(i, j + 1), sample(i + 1, j + 1), dx(), dy()};
     }
 
+    [[nodiscard]] bool glides() const { return glide_speed_ > 0; }
+
     [[nodiscard]] const char* judge() const {
         const Contact<T>& c = last_;
         if (!is_finite(c.proxy) || !is_finite(c.normal) || !is_finite(c.penetration) || !is_finite(c.depth))
             return "not finite";
-        if (c.patches > options_.max_patches + 16) return "more work than was allowed";
-        if (field_.looks() > 4 * (options_.max_patches + 16L)) return "more looks than were allowed";
+        const int allowed = (glides() ? 2 : 1) * (options_.max_patches + 16);
+        if (c.patches > allowed) return "more work than was allowed";
+        if (field_.looks() > 4L * allowed) return "more looks than were allowed";
         const bool felt = c.touching() && c.depth > 0;
         if (before_.contact.touching() && !felt && !holes_ && c.status != ContactStatus::bad_input) {
             const Wide over = surface_above(stylus_),
@@ -256,6 +277,10 @@ private:
             options_.surface == SurfaceKind::solid ? "solid" : "sheet",
             ", .max_patches = ", whole(options_.max_patches),
             ", .max_contact_patches = ", whole(options_.max_contact_patches), "}};\n");
+        if (glides())
+            add("ProxyGlide<", scalar, "> glide{", number(glide_speed_), "}; // proxy in cell ",
+                whole(before_.glide.proxy.cell.i), ' ', whole(before_.glide.proxy.cell.j), " at ",
+                number(before_.glide.proxy.u), ' ', number(before_.glide.proxy.v), '\n');
         add("tracker.restore(std::bit_cast<TrackerState<", scalar, ">>(std::to_array<unsigned char>({");
         for (const auto byte : std::bit_cast<std::array<unsigned char, sizeof before_.state>>(before_.state))
             add(whole(int{byte}), ", ");
@@ -268,7 +293,9 @@ private:
     TrackerOptions options_;
     Grid grid_;
     Field field_{grid_};
+    double glide_speed_; // 0: none
     ProxyTracker<Field> tracker_{field_, options_};
+    ProxyGlide<T> glide_{glide_speed_, options_.max_patches};
     bool holes_;
     // The last update.
     Moment before_{}, now_{};
@@ -285,6 +312,12 @@ private:
     case 2: return static_cast<int>(log_between(random, 1, 8192));
     default: return TrackerOptions{}.max_patches;
     }
+}
+
+/// The speed of a glide: none as often as one, from that of a patch an update to a sixteenth of it.
+template <Real T>
+[[nodiscard]] double any_glide_speed(Random& random, const Terrain<T>& terrain) {
+    return random.one_in(2) ? 0 : longest_patch(terrain) / static_cast<double>(random.whole(1, 16));
 }
 
 /// How the height of a stroke goes.

@@ -3,6 +3,7 @@
 
 #include "reference.hpp"
 
+#include <hfh/contact/proxy_glide.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 
 #include <optional>
@@ -18,8 +19,10 @@ class Witness {
 public:
     using Grid = typename Terrain<T>::Grid;
 
-    explicit Witness(const Terrain<T>& terrain, const TrackerOptions& options = {})
-        : surface{terrain}, grid{terrain.grid()}, tracker{grid, options}, options_{options} {
+    /// With a glide behind the tracker, if that has a speed.
+    explicit Witness(const Terrain<T>& terrain, const TrackerOptions& options = {}, double glide_speed = 0)
+        : surface{terrain}, grid{terrain.grid()}, tracker{grid, options}, glide_{glide_speed},
+          glides_{glide_speed > 0}, options_{options} {
         holes_ = !without_holes(terrain);
     }
     Witness(const Witness&) = delete;
@@ -35,7 +38,7 @@ public:
 
     /// An update of the tracker, judged.
     Contact<T> update(const vec3<T>& stylus) {
-        const Contact<T> contact = tracker.update(stylus);
+        const Contact<T> contact = glide_.follow(grid, tracker.update(stylus), stylus);
         ++updates;
         contacts += contact.touching();
         most_patches = std::max(most_patches, contact.patches);
@@ -63,6 +66,7 @@ public:
     /// Both forget the stylus.
     void reset() {
         tracker.reset();
+        glide_.reset();
         outside_ = false;
         before_ = {};
         side_ = Side::none;
@@ -70,8 +74,9 @@ public:
 
 private:
     /// Whether an update may end before its work is done: never with what is allowed by default, and else not before the
-    /// work of one in which the stylus rests.
+    /// work of one in which the stylus rests; with a glide at any time.
     [[nodiscard]] bool may_stop(int patches) const {
+        if (glides_) return true;
         const TrackerOptions ample;
         const bool limited = options_.max_patches < ample.max_patches ||
                              options_.max_contact_patches < ample.max_contact_patches;
@@ -138,8 +143,8 @@ private:
             // The slide, and the casts that tell whether the stylus is free: from the proxy, each shorter than the last.
             const Wide moved = cells_apart(q, wide(last_));
             const Wide to_cast = cells_apart(q, wide(before_.proxy));
-            if (static_cast<Wide>(c.patches) >
-                static_cast<Wide>(options_.max_contact_patches) + 2 * moved + 4 * (1 + to_cast) + 16) {
+            if (static_cast<Wide>(c.patches) > static_cast<Wide>(options_.max_contact_patches) + 2 * moved +
+                                                   4 * (1 + to_cast) + 16 + (glides_ ? 64 : 0)) {
                 return "more work than was allowed in contact";
             }
         }
@@ -267,6 +272,8 @@ private:
         return true;
     }
 
+    ProxyGlide<T> glide_;
+    bool glides_;
     TrackerOptions options_;
     bool holes_ = false;
     Contact<T> before_{};

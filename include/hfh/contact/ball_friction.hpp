@@ -1,6 +1,7 @@
 #ifndef HFH_CONTACT_BALL_FRICTION_HPP
 #define HFH_CONTACT_BALL_FRICTION_HPP
 
+#include <hfh/contact/ball_shading.hpp>
 #include <hfh/contact/ball_touches.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/traversal/ball_slide.hpp>
@@ -42,10 +43,11 @@ struct BallFrictionState {
 /// hold for this update) where the ground was raised under the ball that is held, where the slip comes to no end, where the
 /// contact changes sides, and where the radius was 0 or is now.
 ///
-/// The result has proxy, penetration, touches and point of the ball that is held; shares are those of Σ share·normal. The
-/// normal is the contact's. A contact that was shaded before keeps its penetration, and the hold is added. Without contact,
-/// depth or friction it is returned as it is. With radius 0, `Friction` holds it. Costs a look around the ball, and one for each
-/// step of a slip. Does not throw, does not allocate.
+/// The result has proxy, touches and point of the ball that is held; its penetration is centre − stylus, and its normal that of
+/// Σ share·normal, so penetration·normal ≥ 0. A contact that was shaded before has the shaded normals of these touches in their
+/// place, in Σ share·normal only, where that leaves penetration·normal ≥ 0. A contact without touch, depth or friction is
+/// returned as it is. With radius 0, `Friction` holds it. Costs a look around the ball, and one for each step of a slip. Does
+/// not throw, does not allocate.
 template <Real T>
 class BallFriction {
 public:
@@ -109,10 +111,24 @@ BallContact<T> BallFriction<T>::hold(const Field& field, const BallContact<T>& c
         return contact;
     }
     state_.centre = slide.centre();
-    const glm::dvec3 back = slide.centre() - contact.centre;
-    held.penetration += vec3<T>{back};
-    held.depth = glm::length(held.penetration);
     detail::list_touches(slide, held);
+    const vec3<T> force{slide.centre() - widen(stylus)};
+    vec3<T> against{T(0)};
+    for (int k = 0; k < held.count; ++k) against += held.touches[k].share * held.touches[k].normal;
+    const T size = glm::length(against);
+    held.penetration = force;
+    held.shaded = false;
+    if (size > 0) held.normal = against / size;
+    if (contact.shaded) {
+        const vec3<T> normal = detail::shaded_normal(field, held).value_or(held.normal);
+        const vec3<T> shaded = force + size * (normal - held.normal);
+        if (glm::dot(shaded, normal) >= 0) {
+            held.shaded = true;
+            held.normal = normal;
+            held.penetration = shaded;
+        }
+    }
+    held.depth = glm::length(held.penetration);
     return held;
 }
 

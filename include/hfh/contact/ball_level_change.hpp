@@ -2,6 +2,7 @@
 #define HFH_CONTACT_BALL_LEVEL_CHANGE_HPP
 
 #include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_glide.hpp>
 #include <hfh/contact/ball_tracker.hpp>
 #include <hfh/contact/level_change.hpp>
 
@@ -19,6 +20,12 @@ double change_level(Levels& levels, double level, BallTracker<Field>& tracker) n
 template <LeveledHeightField Levels, HeightField Field>
 double change_level(Levels& levels, double level, BallTracker<Field>& tracker,
                     BallFriction<typename Field::Scalar>& friction) noexcept;
+
+/// The same with friction and glide.
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, BallTracker<Field>& tracker,
+                    BallFriction<typename Field::Scalar>& friction,
+                    BallGlide<typename Field::Scalar>& glide) noexcept;
 
 template <LeveledHeightField Levels, HeightField Field>
 double change_level(Levels& levels, double level, BallTracker<Field>& tracker) noexcept {
@@ -55,6 +62,20 @@ double change_level(Levels& levels, double level, BallTracker<Field>& tracker,
     state.centre.z += rise;
     state.point.anchor = renumbered(state.point.anchor, levels.finer_level() - k);
     friction.restore(state);
+    return rise;
+}
+
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, BallTracker<Field>& tracker,
+                    BallFriction<typename Field::Scalar>& friction,
+                    BallGlide<typename Field::Scalar>& glide) noexcept {
+    const int k = levels.finer_level();
+    const double rise = change_level(levels, level, tracker, friction);
+    auto state = glide.state();
+    state.centre.z += rise;
+    state.stylus.z += rise;
+    state.point.proxy = renumbered(state.point.proxy, levels.finer_level() - k);
+    glide.restore(state);
     return rise;
 }
 

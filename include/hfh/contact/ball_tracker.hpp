@@ -219,7 +219,7 @@ constexpr void BallTracker<Field>::hand_to_point() noexcept {
 template <HeightField Field>
 auto BallTracker<Field>::begin(const vec3<Scalar>& stylus) noexcept -> BallContact<Scalar> {
     const glm::dvec3 to = widen(stylus);
-    detail::BallObstacles<Field> around{field(), SurfaceKind::sheet}; // from below as well
+    detail::BallObstacles<Field> around{field()};
     Index work = work_allowed();
     const bool clear = around.look(to, widen(radius_), 0, work) && around.smallest_gap() >= 0;
     const Side side = detail::side_of(field(), to);
@@ -245,7 +245,8 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const double u = widen(foot.point.u), v = widen(foot.point.v);
     const glm::dvec3 to_foot = patch.foot(u, v).offset, upward = patch.patch().normal(u, v);
     glm::dvec3 normal = state_.side == Side::below ? -upward : upward;
-    if (on_border(foot.point)) {
+    const auto is_inside = [](double w) { return w > 1e-9 && w < 1 - 1e-9; };
+    if (!is_inside(u) || !is_inside(v)) {
         // A ridge, with the stylus over it. Where the stylus lies on it the direction is lost in rounding.
         const double distance = glm::length(to_foot);
         if (!(glm::dot(to_foot, normal) < 0 && distance > radius / 256)) return false;
@@ -259,9 +260,8 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const double length = glm::length(way);
     const bool farther = glm::dot(offset, offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
     if (!(share > 0) || farther || !(length <= 2 * detail::widest_margin(field(), radius))) return false;
-    if (!detail::rolls_freely(field(), state_.centre, centre, to, normal, radius,
-                              detail::ball_rounding(centre, radius), work))
-        return false;
+    const detail::RollingBall ball{-way, normal, -offset, radius, detail::ball_rounding(centre, radius)};
+    if (!detail::rolls_freely(field(), centre, ball, work)) return false;
     state_.centre = centre;
     state_.stylus = to;
     state_.foot = foot.point;
@@ -361,7 +361,7 @@ auto BallTracker<Field>::go_on_later(const vec3<Scalar>& stylus, const Slide& sl
     auto contact = make_contact(slide, ContactStatus::descent_limit);
     state_.phase = Phase::sliding;
     // A stylus at which the ball is clear is not pulled back to the surface.
-    detail::BallObstacles<Field> there{field(), options_.surface};
+    detail::BallObstacles<Field> there{field()};
     Index work = std::numeric_limits<Index>::max();
     const Side side = detail::side_of(field(), state_.stylus);
     const bool covered = side != Side::none && side != state_.side;

@@ -10,9 +10,11 @@ namespace hfh {
 
 /// How an update ended. The stylus is in contact with `contact` and `descent_limit` only.
 enum class ContactStatus : unsigned char {
-    free,          ///< above the surface (sheet: on either side), or on it
-    contact,       ///< the stylus is inside the surface, and the proxy is the local closest point
-    descent_limit, ///< in contact, but slide or search used up their work; they go on from here at the next update
+    free,    ///< above the surface (sheet: on either side), or on it
+    contact, ///< the stylus is inside the surface, and the proxy is the local closest point
+    /// In contact, but slide or search used up their work, or the proxy glides (proxy_glide.hpp); they go on from here at the
+    /// next update.
+    descent_limit,
     sweep_limit, ///< free so far, but the search used up its work; it goes on from there at the next update
     buried, ///< solid: below the surface without having crossed it from above; no contact until it was outside
     off_surface,    ///< no patch above or below: outside the grid or over a hole
@@ -42,6 +44,7 @@ template <Real T>
 struct Contact {
     ContactStatus status = ContactStatus::free;
     Side side = Side::none; ///< in contact: the side from which the surface is felt; else where the stylus is
+    bool shaded = false;    ///< normal and penetration are those of shading (force_shading.hpp)
     int patches = 0;        ///< patches looked at in this update
     vec3<T> proxy{T(0)};    ///< the point that the user feels to be at: on the surface when in contact
     vec3<T> normal{0, 0, 1}; ///< unit, away from the surface on the side where it is felt; averaged over the

@@ -4,8 +4,11 @@
 #include <hfh/contact/contact.hpp>
 #include <hfh/terrain/height_field.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 // Based on: Morgenbesser and Srinivasan, Force Shading for Haptic Shape Perception (1996), which is the shading of
 // Phong (1975) for the hand; Ruspini, Kolarov and Khatib (1997) use the same for proxies.
@@ -74,6 +77,69 @@ template <Real T>
     return sum;
 }
 
+/// The slopes that shading gives the points of one cell, metres per metre.
+template <Real T>
+struct ShadedCell {
+    vec2<T> at[2][2]; ///< at vertex (a, b): at[b][a]
+
+    /// Interpolated bilinearly.
+    [[nodiscard]] vec2<T> operator()(T u, T v) const noexcept {
+        const vec2<T> at_v0 = (T(1) - u) * at[0][0] + u * at[0][1];
+        const vec2<T> at_v1 = (T(1) - u) * at[1][0] + u * at[1][1];
+        return (T(1) - v) * at_v0 + v * at_v1;
+    }
+};
+
+/// Empty where there is no patch. Reads nine patches.
+template <HeightField Field>
+[[nodiscard]] std::optional<ShadedCell<typename Field::Scalar>> shaded_cell(const Field& field,
+                                                                            Cell cell) noexcept {
+    using T = typename Field::Scalar;
+    if (!field.patch(cell)) return std::nullopt;
+    const auto slopes = slopes_around(field, cell);
+    return ShadedCell<T>{{{slopes.mean(0, 0), slopes.mean(1, 0)}, {slopes.mean(0, 1), slopes.mean(1, 1)}}};
+}
+
+/// The slopes of both levels, blended as the heights are, vertex by vertex. Reads eighteen patches.
+template <BlendedHeightField Field>
+[[nodiscard]] std::optional<ShadedCell<typename Field::Scalar>> shaded_cell(const Field& field,
+                                                                            Cell cell) noexcept {
+    using T = typename Field::Scalar;
+    if (!field.patch(cell)) return std::nullopt;
+    const auto fine = slopes_around(field.finer(), cell);
+    ShadedCell<T> blend{{{fine.mean(0, 0), fine.mean(1, 0)}, {fine.mean(0, 1), fine.mean(1, 1)}}};
+    if (const T alpha = static_cast<T>(field.alpha()); alpha != 0) {
+        const auto coarse = slopes_around(field.coarser(), {cell.i >> 1, cell.j >> 1});
+        for (int b = 0; b < 2; ++b) {
+            for (int a = 0; a < 2; ++a) {
+                const auto mean = mean_slopes(coarse, cell, a, b);
+                if (!mean) continue;
+                vec2<T>& at = blend.at[b][a];
+                const vec2<T> off = *mean - at;
+                at = {multiply_add(alpha, off.x, at.x), multiply_add(alpha, off.y, at.y)};
+            }
+        }
+    }
+    return blend;
+}
+
+/// The unit normal of shading on the side that is felt, for slopes that it gives a point. Where it would point into the
+/// face, whose unit normal there is `face`, it is turned back until it lies in the face: the force then never pushes into
+/// it. Empty where the slopes or their squares are no numbers.
+template <Real T>
+[[nodiscard]] std::optional<vec3<T>> shaded_normal(const vec2<T>& slopes, Side side,
+                                                   const vec3<T>& face) noexcept {
+    const T steepness = std::sqrt(T(1) + slopes.x * slopes.x + slopes.y * slopes.y);
+    if (!is_finite(steepness)) return std::nullopt;
+    const vec3<T> normal =
+        vec3<T>{-slopes.x, -slopes.y, T(1)} / (side == Side::below ? -steepness : steepness);
+    const T out = glm::dot(normal, face);
+    if (!(out < 0)) return normal;
+    const vec3<T> along = normal - out * face;
+    const T length = glm::length(along);
+    return length > 0 ? along / length : face;
+}
+
 } // namespace detail
 
 /// The slopes ∂z/∂x and ∂z/∂y, in metres per metre, that shading gives a surface point: those at the four vertices of
@@ -83,50 +149,15 @@ template <Real T>
 /// Continuous over the whole surface: neighbouring cells compute the slopes of a vertex from the same patches in the
 /// same order and interpolate along an edge by the same expression, so a point of an edge or a vertex has the same
 /// slopes in each of them, to the bit. Reads nine patches. Empty where there is no patch.
+///
+/// On a blend of two levels the slopes of both are blended as the heights are, vertex by vertex. So the shaded normal does
+/// not jump where the level passes a whole number. Reads eighteen patches.
 template <HeightField Field>
 [[nodiscard]] std::optional<vec2<typename Field::Scalar>>
 shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& point) noexcept {
-    using T = typename Field::Scalar;
-    detail::VertexSlopes<T> slopes;
-    for (Index dj = -1; dj <= 1; ++dj) {
-        for (Index di = -1; di <= 1; ++di) {
-            const auto patch = field.patch({point.cell.i + di, point.cell.j + dj});
-            if (patch)
-                slopes.add(*patch, di, dj);
-            else if (di == 0 && dj == 0)
-                return std::nullopt;
-        }
-    }
-    const T u = point.u, v = point.v;
-    const vec2<T> at_v0 = (T(1) - u) * slopes.mean(0, 0) + u * slopes.mean(1, 0);
-    const vec2<T> at_v1 = (T(1) - u) * slopes.mean(0, 1) + u * slopes.mean(1, 1);
-    return (T(1) - v) * at_v0 + v * at_v1;
-}
-
-/// The same on a blend of two levels: the slopes of both levels are blended as the heights are, vertex by vertex. So the
-/// shaded normal does not jump where the level passes a whole number. Reads eighteen patches.
-template <BlendedHeightField Field>
-[[nodiscard]] std::optional<vec2<typename Field::Scalar>>
-shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& point) noexcept {
-    using T = typename Field::Scalar;
-    if (!field.patch(point.cell)) return std::nullopt;
-    const auto fine = detail::slopes_around(field.finer(), point.cell);
-    vec2<T> at[2][2] = {{fine.mean(0, 0), fine.mean(1, 0)}, {fine.mean(0, 1), fine.mean(1, 1)}};
-    if (const T alpha = static_cast<T>(field.alpha()); alpha != 0) {
-        const auto coarse = detail::slopes_around(field.coarser(), {point.cell.i >> 1, point.cell.j >> 1});
-        for (int b = 0; b < 2; ++b) {
-            for (int a = 0; a < 2; ++a) {
-                const auto mean = detail::mean_slopes(coarse, point.cell, a, b);
-                if (!mean) continue;
-                const vec2<T> off = *mean - at[b][a];
-                at[b][a] = {multiply_add(alpha, off.x, at[b][a].x), multiply_add(alpha, off.y, at[b][a].y)};
-            }
-        }
-    }
-    const T u = point.u, v = point.v;
-    const vec2<T> at_v0 = (T(1) - u) * at[0][0] + u * at[0][1];
-    const vec2<T> at_v1 = (T(1) - u) * at[1][0] + u * at[1][1];
-    return (T(1) - v) * at_v0 + v * at_v1;
+    const auto shading = detail::shaded_cell(field, point.cell);
+    if (!shading) return std::nullopt;
+    return (*shading)(point.u, point.v);
 }
 
 /// A contact with the shaded normal: the direction of its force is continuous across cells, its depth is that of the
@@ -134,22 +165,24 @@ shaded_slopes(const Field& field, const SurfacePoint<typename Field::Scalar>& po
 ///
 ///     normal = ± (−∂z/∂x, −∂z/∂y, 1) / |…|,   penetration = depth·normal,   depth, proxy and point as they were
 ///
-/// The proxy is the true one, so the penetration of the result is not proxy − stylus. Force evaluator, damping and
-/// friction go by penetration and normal, and take the result as they take any contact. Shading comes right behind the
-/// tracker: tracker, shading, friction, then damping with the force. A contact that does not touch is returned as it
-/// is. Has no state, does not throw, does not allocate.
+/// So it never pushes into the face, whose normal is the contact's before: where the mean slopes around lean so far off that
+/// it would (normal·face < 0), it is turned back until it lies in the face.
+///
+/// The proxy is the true one, so the penetration of the result is not proxy − stylus. `shaded` is set, and friction then
+/// goes by the shaded normals as well (friction.hpp). Shading comes right behind the tracker: tracker, shading, friction,
+/// then damping with the force. A contact that does not touch is returned as it is, and so is one that is shaded already.
+/// Has no state, does not throw, does not allocate.
 template <HeightField Field>
 [[nodiscard]] Contact<typename Field::Scalar>
 shade_force(const Field& field, const Contact<typename Field::Scalar>& contact) noexcept {
-    using T = typename Field::Scalar;
-    if (!contact.touching()) return contact;
+    if (!contact.touching() || contact.shaded) return contact;
     const auto slopes = shaded_slopes(field, contact.point);
     if (!slopes) return contact;
-    const T steepness = std::sqrt(T(1) + slopes->x * slopes->x + slopes->y * slopes->y);
-    if (!is_finite(steepness)) return contact;
-    Contact<T> shaded = contact;
-    shaded.normal =
-        vec3<T>{-slopes->x, -slopes->y, T(1)} / (contact.side == Side::below ? -steepness : steepness);
+    const auto normal = detail::shaded_normal(*slopes, contact.side, contact.normal);
+    if (!normal) return contact;
+    Contact<typename Field::Scalar> shaded = contact;
+    shaded.shaded = true;
+    shaded.normal = *normal;
     shaded.penetration = contact.depth * shaded.normal;
     return shaded;
 }

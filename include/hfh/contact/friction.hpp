@@ -2,6 +2,7 @@
 #define HFH_CONTACT_FRICTION_HPP
 
 #include <hfh/contact/contact.hpp>
+#include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction_cone.hpp>
 
 #include <glm/geometric.hpp>
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <type_traits>
 
 // Based on: Harwin and Melder, Improved Haptic Rendering for Multi-Finger Manipulation Using Friction Cone Based
 // God-Objects (2002): the proxy stays where it is as long as the stylus is inside the friction cone under it. The
@@ -50,9 +53,17 @@ struct FrictionState {
 /// ends and the point nearest to the stylus. Where the stylus is inside the cone only between these, the anchor slips
 /// past.
 ///
-/// The result has proxy and point of the anchor, and penetration + (anchor − proxy); the normal is the contact's. So a
-/// contact that was shaded before (force_shading.hpp) stays shaded. Without contact, depth or friction the contact is
-/// returned as it is. Does not throw, does not allocate; costs O(cells between anchor and proxy) ≤ max_cells.
+/// A contact that was shaded before (`shade_force`) is held by the shaded normals in place of those of the patches: one
+/// normal decides where friction slips and where the force points. Its cones hold no stylus that is above the face at their
+/// point. With two normals the force would jump twice: where the anchor slips from patch to patch, and where the proxy,
+/// which is elsewhere, is shaded.
+///
+/// The result has proxy and point of the anchor; its penetration is anchor − stylus, and its normal that of the cone which
+/// holds the stylus. Where no point holds it, so that the anchor is in the proxy, a contact that is not shaded is returned as
+/// it is, and the penetration of a shaded one is turned the shortest way into the cone. So penetration·normal ≥ 0, and a
+/// shaded force does not push into the face at the anchor, unless anchor − stylus does, as it may on the way of a proxy that
+/// glides. A contact without touch, depth or friction is returned as it is. Does not throw, does not allocate; costs
+/// O(cells between anchor and proxy) ≤ max_cells.
 template <Real T>
 class Friction {
 public:
@@ -81,15 +92,8 @@ public:
             reset();
             return contact;
         }
-        const bool first = state_.side != contact.side || !(contact.depth > 0);
-        state_.side = contact.side;
-        if (first || !sticks(field, stylus)) {
-            state_.slipping = !first;
-            state_.anchor = first ? contact.point : slip(field, contact.point, stylus);
-        } else {
-            state_.slipping = false;
-        }
-        return at_anchor(field, contact, stylus);
+        if (contact.shaded) return hold_back<Normals::shaded>(field, contact, stylus);
+        return hold_back<Normals::of_patches>(field, contact, stylus);
     }
 
     /// Forgets the anchor, as after a release.
@@ -110,28 +114,108 @@ private:
         [[nodiscard]] vec2<T> in_cell() const noexcept { return {share * way.x, share * way.y}; }
     };
 
-    /// Whether the stylus is inside the cone that applies at the anchor.
-    template <HeightField Field>
-    [[nodiscard]] bool sticks(const Field& field, const vec3<T>& stylus) const noexcept {
-        const auto patch = field.patch(state_.anchor.cell);
-        if (!patch) return false;
-        const T coefficient =
-            state_.slipping ? coefficients_.sliding : std::max(coefficients_.at_rest, coefficients_.sliding);
-        const CellPoint<T> below = field.lattice().locate(stylus, state_.anchor.cell);
-        return friction_cone(field, *patch, below, state_.anchor, state_.side).outside(coefficient) <= 0;
+    /// What the cones hang from.
+    enum class Normals : unsigned char { of_patches, shaded };
+
+    /// `hold`, for a contact that touches.
+    template <Normals normals, HeightField Field>
+    [[nodiscard, gnu::always_inline]] Contact<T> hold_back(const Field& field, const Contact<T>& contact,
+                                                           const vec3<T>& stylus) noexcept {
+        const bool first = state_.side != contact.side || !(contact.depth > 0);
+        state_.side = contact.side;
+        std::optional<Cone<normals>> cone;
+        if (!first) cone = cone_at_anchor<normals>(field, stylus);
+        const bool sticks = cone && cone->outside(coefficient()) <= 0;
+        state_.slipping = !first && !sticks;
+        if (state_.slipping) cone = slip<normals>(field, contact.point, stylus);
+        if (!cone) state_.anchor = contact.point;
+        if constexpr (normals == Normals::shaded) {
+            if (!cone && contact.depth > 0) cone = cone_at_anchor<normals>(field, stylus);
+            return cone ? at_anchor(contact, stylus, *cone, cone->turned_inside(coefficient())) : contact;
+        } else {
+            const SurfacePoint<T>&a = state_.anchor, &q = contact.point;
+            const bool is_held = cone && !(a.cell == q.cell && a.u == q.u && a.v == q.v);
+            return is_held ? at_anchor(contact, stylus, *cone, cone->offset) : contact;
+        }
     }
 
-    /// The first point that holds the stylus on the way from the anchor to `to`; `to` if none does.
+    /// The normals of one cell that cones hang from.
+    struct PatchNormals {};
+    using ShadedNormals = std::optional<detail::ShadedCell<T>>;
+
+    template <Normals normals, HeightField Field>
+    [[nodiscard]] static auto normals_of(const Field& field, Cell cell) noexcept {
+        if constexpr (normals == Normals::shaded)
+            return detail::shaded_cell(field, cell);
+        else
+            return PatchNormals{};
+    }
+
+    /// A cone that hangs from the shaded normal. It holds no stylus that is above the face at the point.
+    struct ShadedCone : FrictionCone<T> {
+        T above_face; ///< metres
+
+        [[nodiscard]] T outside(T coefficient) const noexcept {
+            return std::max(FrictionCone<T>::outside(coefficient), above_face);
+        }
+    };
+
+    template <Normals normals>
+    using Cone = std::conditional_t<normals == Normals::shaded, ShadedCone, FrictionCone<T>>;
+
+    /// The coefficient that applies at the anchor.
+    [[nodiscard]] T coefficient() const noexcept {
+        return state_.slipping ? coefficients_.sliding
+                               : std::max(coefficients_.at_rest, coefficients_.sliding);
+    }
+
+    /// At a point of a patch, for a stylus in the coordinates of its cell.
     template <HeightField Field>
-    [[nodiscard]] SurfacePoint<T> slip(const Field& field, const SurfacePoint<T>& to,
-                                       const vec3<T>& stylus) const noexcept {
+    [[nodiscard]] FrictionCone<T> cone(const Field& field, const BilinearPatch<T>& patch, PatchNormals,
+                                       const CellPoint<T>& stylus, const SurfacePoint<T>& at,
+                                       const glm::bvec2& creases = {true, true}) const noexcept {
+        return friction_cone(field, patch, stylus, at, state_.side, creases);
+    }
+    template <HeightField Field>
+    [[nodiscard]] ShadedCone cone(const Field& field, const BilinearPatch<T>& patch,
+                                  const ShadedNormals& normals, const CellPoint<T>& stylus,
+                                  const SurfacePoint<T>& at,
+                                  const glm::bvec2& creases = {true, true}) const noexcept {
+        auto cone = friction_cone(field, patch, stylus, at, state_.side, creases);
+        const T above_face = -glm::dot(cone.offset, cone.normal);
+        if (normals) {
+            const auto normal = detail::shaded_normal((*normals)(at.u, at.v), state_.side, cone.normal);
+            if (normal) cone.normal = *normal;
+        }
+        return {cone, above_face};
+    }
+
+    /// Empty where there is no patch under the anchor any more.
+    template <Normals normals, HeightField Field>
+    [[nodiscard]] std::optional<Cone<normals>> cone_at_anchor(const Field& field,
+                                                              const vec3<T>& stylus) const noexcept {
+        const SurfacePoint<T>& a = state_.anchor;
+        const auto patch = field.patch(a.cell);
+        if (!patch) return std::nullopt;
+        return cone(field, *patch, normals_of<normals>(field, a.cell), field.lattice().locate(stylus, a.cell),
+                    a);
+    }
+
+    /// Moves the anchor to the first point that holds the stylus on the way to `to`. Empty, and the anchor as it was, if none
+    /// does.
+    template <Normals normals, HeightField Field>
+    [[nodiscard]] std::optional<Cone<normals>> slip(const Field& field, const SurfacePoint<T>& to,
+                                                    const vec3<T>& stylus) noexcept {
         int cells = max_cells_;
         const SurfacePoint<T> corner = way_corner(field, to, stylus);
         SurfacePoint<T> at = state_.anchor;
-        if (slip_straight(field, corner, stylus, at, cells)) return at;
-        at = corner;
-        if (slip_straight(field, to, stylus, at, cells)) return at;
-        return to;
+        auto holding = slip_straight<normals>(field, corner, stylus, at, cells);
+        if (!holding) {
+            at = corner;
+            holding = slip_straight<normals>(field, to, stylus, at, cells);
+        }
+        if (holding) state_.anchor = at;
+        return holding;
     }
 
     /// The corner of the way to `to`, which is `to` itself unless that lies on an edge or a vertex of its cell. There the
@@ -169,26 +253,29 @@ private:
         return field.patch(corner.cell) ? corner : to;
     }
 
-    /// Moves `at` straight towards `to`, cell by cell, to the first point that holds the stylus. False if none does, if
+    /// Moves `at` straight towards `to`, cell by cell, to the first point that holds the stylus. Empty if none does, if
     /// the way leads where there is no patch, or if `cells`, the cells that may still be passed, are used up; in the last
     /// two cases `cells` is then 0.
-    template <HeightField Field>
-    [[nodiscard]] bool slip_straight(const Field& field, const SurfacePoint<T>& to, const vec3<T>& stylus,
-                                     SurfacePoint<T>& at, int& cells) const noexcept {
+    template <Normals normals, HeightField Field>
+    [[nodiscard]] std::optional<Cone<normals>> slip_straight(const Field& field, const SurfacePoint<T>& to,
+                                                             const vec3<T>& stylus, SurfacePoint<T>& at,
+                                                             int& cells) const noexcept {
         for (; cells > 0; --cells) {
             const auto patch = field.patch(at.cell);
             if (!patch) break;
             const CellPart part = part_in_cell(at, to);
-            if (slip_in_cell(field, *patch, field.lattice().locate(stylus, at.cell), part.in_cell(), at))
-                return true;
+            const auto holding =
+                slip_in_cell<normals>(field, *patch, normals_of<normals>(field, at.cell),
+                                      field.lattice().locate(stylus, at.cell), part.in_cell(), at);
+            if (holding) return holding;
             if (part.ends) {
                 --cells;
-                return false;
+                return std::nullopt;
             }
             enter_next_cell(part, at);
         }
         cells = 0;
-        return false;
+        return std::nullopt;
     }
 
     /// From `from` to `to` in plan, in cells.
@@ -226,29 +313,31 @@ private:
     }
 
     /// Moves `at` to the first point of the way at → at + way, in one cell, that has the stylus inside the dynamic
-    /// cone. False, and `at` as it was, if there is none. An edge of the cell counts as a crease at the start and on a
+    /// cone. Empty, and `at` as it was, if there is none. An edge of the cell counts as a crease at the start and on a
     /// way along it; at the end of the way it is the next cell's.
-    template <HeightField Field>
-    [[nodiscard]] bool slip_in_cell(const Field& field, const BilinearPatch<T>& patch,
-                                    const CellPoint<T>& stylus, const vec2<T>& way,
-                                    SurfacePoint<T>& at) const noexcept {
+    template <Normals normals, HeightField Field, class CellNormals>
+    [[nodiscard]] std::optional<Cone<normals>>
+    slip_in_cell(const Field& field, const BilinearPatch<T>& patch, const CellNormals& cell_normals,
+                 const CellPoint<T>& stylus, const vec2<T>& way, SurfacePoint<T>& at) const noexcept {
         const auto u_at = [&](T s) { return std::clamp(at.u + s * way.x, T(0), T(1)); };
         const auto v_at = [&](T s) { return std::clamp(at.v + s * way.y, T(0), T(1)); };
         const auto cone_at = [&](T s) {
-            return friction_cone(field, patch, stylus, {at.cell, u_at(s), v_at(s)}, state_.side,
-                                 {!(s > 0) || way.x == 0, !(s > 0) || way.y == 0});
+            return cone(field, patch, cell_normals, stylus, {at.cell, u_at(s), v_at(s)},
+                        {!(s > 0) || way.x == 0, !(s > 0) || way.y == 0});
         };
-        const auto outside = [&](const FrictionCone<T>& cone) { return cone.outside(coefficients_.sliding); };
+        const auto outside = [&](const auto& cone) { return cone.outside(coefficients_.sliding); };
         const auto start = cone_at(T(0)), end = cone_at(T(1));
+        auto holding = end;
         const T f_low = outside(start);
         T low = 0, high = 1, f_high = outside(end);
-        if (f_low <= 0) return true;
+        if (f_low <= 0) return start;
         if (f_high > 0) { // the cone may lie between: test where the chord is nearest to the stylus
             const vec3<T> chord = end.offset - start.offset;
             const T square = glm::dot(chord, chord);
             high = square > 0 ? std::clamp(-glm::dot(start.offset, chord) / square, T(0), T(1)) : T(0);
-            f_high = outside(cone_at(high));
-            if (f_high > 0) return false;
+            holding = cone_at(high);
+            f_high = outside(holding);
+            if (f_high > 0) return std::nullopt;
         }
         // Regula falsi in the form of Illinois: on a plane, straight towards the foot, `outside` is linear.
         const T enough = 8 * epsilon<T> * glm::length(start.offset);
@@ -260,37 +349,34 @@ private:
             const T guess = low + (high - low) * (weight_low / (weight_low - weight_high));
             const T middle = std::clamp(guess, low + finest, std::max(low + finest, high - finest));
             if (!(middle < high)) break;
-            const T f = outside(cone_at(middle));
+            const auto cone = cone_at(middle);
+            const T f = outside(cone);
             if (f > 0) {
                 low = middle, weight_low = f;
                 if (moved < 0) weight_high /= 2;
                 moved = -1;
             } else {
                 high = middle, f_high = weight_high = f;
+                holding = cone;
                 if (moved > 0) weight_low /= 2;
                 moved = 1;
             }
         }
         const T u = u_at(high), v = v_at(high);
         at.u = u, at.v = v;
-        return true;
+        return holding;
     }
 
-    /// The contact with its proxy at the anchor.
-    template <HeightField Field>
-    [[nodiscard]] Contact<T> at_anchor(const Field& field, const Contact<T>& contact,
-                                       const vec3<T>& stylus) noexcept {
-        const SurfacePoint<T>&a = state_.anchor, &q = contact.point;
-        if (a.cell == q.cell && a.u == q.u && a.v == q.v) return contact;
-        const auto patch_a = field.patch(a.cell), patch_q = field.patch(q.cell);
-        if (!patch_a || !patch_q) return contact;
-        const FrictionCone<T> anchor{*patch_a, field.lattice().locate(stylus, a.cell), a.u, a.v};
-        const FrictionCone<T> proxy{*patch_q, field.lattice().locate(stylus, q.cell), q.u, q.v};
+    /// The contact with its proxy at the anchor, whose cone is `holding`.
+    [[nodiscard]] Contact<T> at_anchor(const Contact<T>& contact, const vec3<T>& stylus,
+                                       const FrictionCone<T>& holding,
+                                       const vec3<T>& penetration) const noexcept {
         Contact<T> held = contact;
-        held.point = a;
-        held.proxy = stylus + anchor.offset;
-        held.penetration += anchor.offset - proxy.offset;
-        held.depth = glm::length(held.penetration);
+        held.point = state_.anchor;
+        held.proxy = stylus + holding.offset;
+        held.normal = holding.normal;
+        held.penetration = penetration;
+        held.depth = glm::length(penetration);
         return held;
     }
 

@@ -43,6 +43,16 @@ struct FrictionCone {
         return glm::length(glm::cross(offset, normal)) - (pressed > 0 ? coefficient : T(1)) * pressed;
     }
 
+    /// The offset, or if the stylus is outside the cone of slope `coefficient` the offset turned the shortest way until the
+    /// stylus is on it.
+    [[nodiscard]] vec3<T> turned_inside(T coefficient) const noexcept {
+        if (outside(coefficient) <= 0) return offset;
+        const vec3<T> across = offset - glm::dot(offset, normal) * normal;
+        const T aside = glm::length(across);
+        const vec3<T> edge = aside > 0 ? normal + coefficient / aside * across : normal;
+        return glm::length(offset) / glm::length(edge) * edge;
+    }
+
     /// On an edge or a vertex, where the slope along x is anything from low.x to high.x and that along y from low.y to
     /// high.y: takes the normal that is nearest in direction to the offset.
     ///

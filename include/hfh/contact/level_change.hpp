@@ -2,6 +2,7 @@
 #define HFH_CONTACT_LEVEL_CHANGE_HPP
 
 #include <hfh/contact/friction.hpp>
+#include <hfh/contact/proxy_glide.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
 #include <hfh/geometry/surface_point.hpp>
 #include <hfh/terrain/height_field.hpp>
@@ -41,6 +42,12 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker) 
 template <LeveledHeightField Levels, HeightField Field>
 double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
                     Friction<typename Field::Scalar>& friction) noexcept;
+
+/// The same with friction and glide.
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
+                    Friction<typename Field::Scalar>& friction,
+                    ProxyGlide<typename Field::Scalar>& glide) noexcept;
 
 namespace detail {
 
@@ -101,6 +108,18 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
     auto state = friction.state();
     state.anchor = renumbered(state.anchor, levels.finer_level() - k);
     friction.restore(state);
+    return rise;
+}
+
+template <LeveledHeightField Levels, HeightField Field>
+double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker,
+                    Friction<typename Field::Scalar>& friction,
+                    ProxyGlide<typename Field::Scalar>& glide) noexcept {
+    const int k = levels.finer_level();
+    const double rise = change_level(levels, level, tracker, friction);
+    auto state = glide.state();
+    state.proxy = renumbered(state.proxy, levels.finer_level() - k);
+    glide.restore(state);
     return rise;
 }
 

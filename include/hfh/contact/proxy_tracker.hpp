@@ -63,6 +63,42 @@ struct TrackerState {
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
 };
 
+namespace detail {
+
+/// Whether a stylus in contact has the surface right above it (felt from below: right below it), by more than rounding. Asked
+/// while the proxy is on its way: the surface at the proxy is then too far from the stylus to decide that.
+template <HeightField Field>
+[[nodiscard, gnu::noinline]] bool
+has_surface_over(const Field& field, const vec3<typename Field::Scalar>& stylus, Side felt) noexcept {
+    using Scalar = typename Field::Scalar;
+    const Lattice& lattice = field.lattice();
+    const glm::dvec3 at = widen(stylus);
+    const double u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
+    // On a grid line, but for the rounding of u and v, cells on both sides are over it; beside a hole one of them has no patch.
+    const auto rounding_of = [](double w) { return 4 * epsilon<double> * (1 + std::abs(w)); };
+    const auto cell_of = [](double column, double row) {
+        return Cell{static_cast<Index>(std::floor(column)), static_cast<Index>(std::floor(row))};
+    };
+    const Cell first = cell_of(u - rounding_of(u), v - rounding_of(v)),
+               last = cell_of(u + rounding_of(u), v + rounding_of(v));
+    for (Index j = first.j; j <= last.j; ++j) {
+        for (Index i = first.i; i <= last.i; ++i) {
+            const auto found = field.patch({i, j});
+            if (!found) continue;
+            const auto p = widen(*found);
+            const double above = p.height(lattice.u_of(at.x, i), lattice.v_of(at.y, j)) - at.z;
+            // Of the height here, and of the offset from which the depth comes out in the end.
+            const double rounding =
+                8 * epsilon<double> * (std::abs(p.highest()) + std::abs(p.lowest()) + std::abs(at.z)) +
+                8 * widen(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
+            if (felt == Side::below ? above < -rounding : above > rounding) return true;
+        }
+    }
+    return false;
+}
+
+} // namespace detail
+
 /// Follows a stylus over a height field: the haptic update of §4.3 [P].
 ///
 /// *Free*: the segment from the last stylus position to this one is cast; the first crossing is the first contact.
@@ -172,9 +208,9 @@ private:
 
     /// Whether the stylus is inside of the face at the point that was found.
     [[nodiscard]] bool holds(const DescentResult<Scalar>& found) const noexcept;
-    /// Whether the stylus has the surface right above it (felt from below: right below it), by more than rounding. Asked while
-    /// the proxy is on its way: the surface at the proxy is then too far from the stylus to decide that.
-    [[nodiscard, gnu::noinline]] bool has_surface_over(const vec3<Scalar>& stylus) const noexcept;
+    [[nodiscard]] bool has_surface_over(const vec3<Scalar>& stylus) const noexcept {
+        return detail::has_surface_over(*field_, stylus, state_.side);
+    }
     /// Whether the point that was found is as far from the stylus as the minimum that was released, but for rounding.
     [[nodiscard]] bool is_as_far_as_released(const DescentResult<Scalar>& found) const noexcept;
     /// Where the proxy is, seen from this stylus.
@@ -450,34 +486,6 @@ auto ProxyTracker<Field>::release_at_rim(const vec3<Scalar>& stylus, DescentStat
 template <HeightField Field>
 bool ProxyTracker<Field>::holds(const DescentResult<Scalar>& found) const noexcept {
     return state_.side == Side::below ? found.signed_depth < 0 : found.signed_depth > 0;
-}
-
-template <HeightField Field>
-bool ProxyTracker<Field>::has_surface_over(const vec3<Scalar>& stylus) const noexcept {
-    const Lattice& lattice = field_->lattice();
-    const glm::dvec3 at = widen(stylus);
-    const double u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
-    // On a grid line, but for the rounding of u and v, cells on both sides are over it; beside a hole one of them has no patch.
-    const auto rounding_of = [](double w) { return 4 * epsilon<double> * (1 + std::abs(w)); };
-    const auto cell_of = [](double column, double row) {
-        return Cell{static_cast<Index>(std::floor(column)), static_cast<Index>(std::floor(row))};
-    };
-    const Cell first = cell_of(u - rounding_of(u), v - rounding_of(v)),
-               last = cell_of(u + rounding_of(u), v + rounding_of(v));
-    for (Index j = first.j; j <= last.j; ++j) {
-        for (Index i = first.i; i <= last.i; ++i) {
-            const auto found = field_->patch({i, j});
-            if (!found) continue;
-            const auto p = widen(*found);
-            const double above = p.height(lattice.u_of(at.x, i), lattice.v_of(at.y, j)) - at.z;
-            // Of the height here, and of the offset from which the depth comes out in the end.
-            const double rounding =
-                8 * epsilon<double> * (std::abs(p.highest()) + std::abs(p.lowest()) + std::abs(at.z)) +
-                8 * widen(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
-            if (state_.side == Side::below ? above < -rounding : above > rounding) return true;
-        }
-    }
-    return false;
 }
 
 template <HeightField Field>

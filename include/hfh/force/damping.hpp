@@ -72,7 +72,9 @@ private:
 ///
 /// shortened to max_force as a whole, and `clamped` says so. Only in contact. Neither part of the damping is greater than the
 /// spring's force: the normal part is at most F·n, the tangential part at most |F|. So damping begins and ends at zero with
-/// the depth, and the sum never pulls the stylus towards the surface, however fast it lifts off. In return the damping is
+/// the depth, and never pulls the stylus towards the surface, however fast it lifts off: newtons·n ≥ 0 wherever F·n ≥ 0, and
+/// elsewhere newtons·n is F·n, but for roundings. n is the normal of the very contact that is given. For one that friction has
+/// held back or shaded F·n ≥ 0 (friction.hpp), for one of the tracker's it is where the surface is smooth. In return the damping is
 /// less than its coefficient says where the depth is below coefficient·|v|/k.
 ///
 ///     const auto contact = tracker.update(position);

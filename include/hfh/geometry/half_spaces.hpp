@@ -61,54 +61,62 @@ struct PolyhedronPoint {
     return true;
 }
 
+/// The half-space that a vector misses most, and by more than `rounding`; −1: it keeps all.
+[[nodiscard]] inline int most_missed(std::span<const HalfSpace> half_spaces, const glm::dvec3& step,
+                                     double rounding) noexcept {
+    int worst = -1;
+    double most = rounding;
+    for (std::size_t k = 0; k < half_spaces.size(); ++k) {
+        const double lacks = half_spaces[k].offset - glm::dot(half_spaces[k].normal, step);
+        if (lacks > most) most = lacks, worst = static_cast<int>(k);
+    }
+    return worst;
+}
+
+/// The nearest point of four half-spaces at most: those that hold `before`, and a new one, which holds this one as well.
+[[nodiscard]] inline PolyhedronPoint add_half_space(const glm::dvec3& target,
+                                                    std::span<const HalfSpace> half_spaces,
+                                                    const PolyhedronPoint& before, int added,
+                                                    double rounding) noexcept {
+    const auto half_space = [&](int face) { return &half_spaces[static_cast<std::size_t>(face)]; };
+    constexpr unsigned all_three = 7;
+    for (unsigned chosen = 0; chosen < 1u << before.count && chosen < all_three; ++chosen) {
+        const auto is_chosen = [chosen](int k) { return (chosen >> k & 1u) != 0; };
+        PolyhedronPoint trial;
+        const HalfSpace* planes[3];
+        const auto join = [&](int face) {
+            trial.faces[trial.count] = face;
+            planes[trial.count++] = half_space(face);
+        };
+        for (int k = 0; k < before.count; ++k) {
+            if (is_chosen(k)) join(before.faces[k]);
+        }
+        join(added);
+        bool keeps = nearest_on_planes(target, planes, trial.count, trial.step, trial.shares);
+        for (int k = 0; k < before.count; ++k) {
+            const HalfSpace& other = *half_space(before.faces[k]);
+            keeps = keeps && (is_chosen(k) || glm::dot(other.normal, trial.step) >= other.offset - rounding);
+        }
+        if (keeps) return trial;
+    }
+    PolyhedronPoint none = before;
+    none.found = false;
+    return none;
+}
+
 /// The point of all half-spaces that is nearest to `target`. Where a half-space is missed by no more than `rounding` it counts
-/// as kept. The half-space that is missed most joins up to three that hold the point, and a look at all choices of these four
-/// tells which hold it then; the distance grows each time, so it ends.
+/// as kept. The half-space that is missed most joins up to three that hold the point, until none is missed; the distance grows
+/// each time, so it ends.
 template <Real T = double>
 [[nodiscard]] PolyhedronPoint nearest_in_polyhedron(const glm::dvec3& target,
                                                     std::span<const HalfSpace> half_spaces,
                                                     double rounding) noexcept {
     PolyhedronPoint best;
     best.step = target;
-    for (std::size_t turn = 0; turn < 4 * half_spaces.size() + 4; ++turn) {
-        int worst = -1;
-        double most = rounding;
-        for (std::size_t k = 0; k < half_spaces.size(); ++k) {
-            const double lacks = half_spaces[k].offset - glm::dot(half_spaces[k].normal, best.step);
-            if (lacks > most) most = lacks, worst = static_cast<int>(k);
-        }
+    for (std::size_t turn = 0; turn < 4 * half_spaces.size() + 4 && best.found; ++turn) {
+        const int worst = most_missed(half_spaces, best.step, rounding);
         if (worst < 0) return best;
-
-        // All that hold the point, and the new one last.
-        int all[4];
-        for (int k = 0; k < best.count; ++k) all[k] = best.faces[k];
-        all[best.count] = worst;
-        const int others = best.count;
-        PolyhedronPoint next;
-        next.found = false;
-        for (unsigned chosen = 0; chosen < 1u << others && !next.found; ++chosen) {
-            PolyhedronPoint trial;
-            const HalfSpace* planes[3];
-            const auto join = [&](int face) {
-                trial.faces[trial.count] = face;
-                planes[trial.count++] = &half_spaces[static_cast<std::size_t>(face)];
-            };
-            if (chosen == 7) continue; // four
-            for (int k = 0; k < others; ++k) {
-                if (chosen >> k & 1u) join(all[k]);
-            }
-            join(worst);
-            if (!nearest_on_planes(target, planes, trial.count, trial.step, trial.shares)) continue;
-            bool keeps = true;
-            for (int k = 0; k < others; ++k) {
-                const HalfSpace& other = half_spaces[static_cast<std::size_t>(all[k])];
-                if (!(chosen >> k & 1u))
-                    keeps = keeps && glm::dot(other.normal, trial.step) >= other.offset - rounding;
-            }
-            if (keeps) next = trial;
-        }
-        if (!next.found) break;
-        best = next;
+        best = add_half_space(target, half_spaces, best, worst, rounding);
     }
     best.found = false;
     return best;

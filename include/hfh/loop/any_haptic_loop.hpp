@@ -76,6 +76,7 @@ public:
         const Contact<Scalar>& c = loop_.contact();
         return {.status = c.status,
                 .side = c.side,
+                .shaded = c.shaded,
                 .patches = c.patches,
                 .proxy = widen(c.proxy),
                 .normal = widen(c.normal),

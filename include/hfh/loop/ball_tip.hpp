@@ -2,6 +2,7 @@
 #define HFH_LOOP_BALL_TIP_HPP
 
 #include <hfh/contact/ball_friction.hpp>
+#include <hfh/contact/ball_glide.hpp>
 #include <hfh/contact/ball_shading.hpp>
 #include <hfh/contact/ball_tracker.hpp>
 #include <hfh/loop/haptic_loop.hpp>
@@ -20,6 +21,8 @@ struct BallTip {
     using Tracker = BallTracker<Field>;
     template <Real T>
     using Friction = BallFriction<T>;
+    template <Real T>
+    using Glide = BallGlide<T>;
     template <Real T>
     using Contact = BallContact<T>;
 };

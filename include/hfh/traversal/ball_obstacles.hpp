@@ -37,6 +37,7 @@ struct BallObstacle {
     double distance = 0;          ///< of the point from the centre, in metres
     SurfacePoint<double> point{}; ///< where it is
     bool on_rim = false;          ///< a cell that meets at the point has no patch
+    bool from_below = false;      ///< the ball is below the patches that meet at the point
     bool is_plane = false;        ///< the plane of a patch and not the point itself: see `BallObstacles`
 
     [[nodiscard]] HalfSpace half_space() const noexcept { return {normal, -gap}; }
@@ -81,7 +82,7 @@ class BallObstacles {
 public:
     static constexpr int most = 40;
 
-    BallObstacles(const Field& field, SurfaceKind surface) noexcept : field_{&field}, surface_{surface} {}
+    explicit BallObstacles(const Field& field) noexcept : field_{&field} {}
 
     /// Looks around a ball of this radius: at every patch that comes within radius + margin of the centre. False, and none
     /// are known, if that would be more than `work` patches and blocks. Counts them.
@@ -143,7 +144,6 @@ private:
     [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
 
     const Field* field_;
-    SurfaceKind surface_;
     double radius_ = 0;
     double margin_ = 0;
     int count_ = 0;
@@ -195,20 +195,18 @@ void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, co
                           .gap = distance - radius_,
                           .distance = distance,
                           .point = {cell, foot.u, foot.v}};
-    const bool solid = surface_ == SurfaceKind::solid;
+    obstacle.from_below = over < 0;
     if (!on_border(obstacle.point)) {
-        // From below it is seen through the ground. What lies between keeps the ball away.
-        if (solid && over < 0) return;
         keep(obstacle);
         return;
     }
     const glm::dvec3 own_normal = over < 0 ? -upward : upward;
     const BorderPoint border = classify_border(search, cell, foot, own_normal);
+    if (border.is == Border::left_out) return;
     obstacle.on_rim = border.on_rim;
-    if (border.is == Border::left_out || (solid && !border.on_rim && !border.from_above)) return;
+    obstacle.from_below = !border.from_above;
     const double plane_gap = std::abs(over) - radius_;
     if (border.is == Border::plane) {
-        if (solid && over < 0) return;
         if (plane_gap > obstacle.gap / 4) {
             obstacle.normal = own_normal;
             obstacle.gap = plane_gap;
@@ -237,9 +235,7 @@ auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cel
             continue;
         }
         const glm::dvec3 upward{-patch.slope_u(there.v) / patch.dx, -patch.slope_v(there.u) / patch.dy, 1};
-        const bool is_above = glm::dot(upward, foot.offset) <= 0;
-        point.from_above = point.from_above || is_above;
-        if (surface_ == SurfaceKind::solid && !is_above) continue; // from below there is nothing to touch
+        point.from_above = point.from_above || glm::dot(upward, foot.offset) <= 0;
         // Into the neighbour, along each parameter that has a border here.
         glm::dvec3 down{0.0};
         const auto fall_along = [&](double parameter, const glm::dvec3& partial) {
@@ -287,62 +283,78 @@ void BallObstacles<Field>::keep(const BallObstacle& obstacle) noexcept {
     }
 }
 
-/// Whether a ball that touches the surface with this normal at the end of its way `from` → `to`, and is clear at its beginning,
-/// is clear at the end, but for `rounding`, and on the way, but for a 64th of its radius. Where it is not, as on a ridge over
-/// which it rolls, it would have to go round the point that is in the way: it is asked whether it gets nearer to `target` then.
-/// A patch behind the plane on which the ball stands is not in its way. Counts patches and blocks; false as well if that
-/// would be more than `work`.
-template <HeightField Field>
-[[nodiscard]] bool rolls_freely(const Field& field, const glm::dvec3& from, const glm::dvec3& to,
-                                const glm::dvec3& target, const glm::dvec3& normal, double radius,
-                                double rounding, Index& work) noexcept {
-    const glm::dvec3 back = from - to;
-    const double length_squared = glm::dot(back, back);
-    const double clear = (radius - rounding) * (radius - rounding), touching = -radius * (1 - 1e-9);
-    const double near = radius * radius * (63.0 / 64 * 63.0 / 64),
-                 nearest = radius * radius * (7.0 / 8 * 7.0 / 8);
-    const glm::dvec3 low = glm::min(back, 0.0), high = glm::max(back, 0.0);
-    const ReachSearch<Field> search{field, to, 0, 0};
-    const auto is_clear_of = [&](const RelativePatch& patch) {
-        // The box that holds it is a radius away from the box that holds the way.
-        const double right = patch.x + patch.dx, up = patch.y + patch.dy;
-        const double off_x = glm::max(glm::max(patch.x - high.x, low.x - right), 0.0),
-                     off_y = glm::max(glm::max(patch.y - high.y, low.y - up), 0.0),
-                     off_z = glm::max(glm::max(patch.lowest() - high.z, low.z - patch.highest()), 0.0);
-        if (off_x * off_x + off_y * off_y + off_z * off_z >= radius * radius) return true;
+/// A ball that rolls `from` → `to` and stands on the surface there, with this normal. In metres from its end, as a patch is.
+struct RollingBall {
+    glm::dvec3 back; ///< to where it began
+    glm::dvec3 normal;
+    glm::dvec3 target; ///< its centre is to come nearer to that
+    double radius;
+    double rounding; ///< of a distance, in metres
+
+    /// Whether a patch is not in its way. It is clear of the ball where it began, and has to be, but for rounding, at the end; on
+    /// the way but for a 64th of the radius. Where it is not, as on a ridge over which the ball rolls, the ball has to go round
+    /// the point that is in the way, and get nearer to the target then.
+    [[nodiscard]] bool is_clear_of(const RelativePatch& patch) const noexcept {
+        if (is_boxed_away(patch)) return true;
         // Planes keep it away: the one on which the ball stands, or one across the line to its middle.
         if (-patch.least_along(-normal) <= rounding - radius) return true;
         const glm::dvec3 middle = patch.middle();
         const double beyond = patch.least_along(middle) - glm::max(glm::dot(middle, back), 0.0);
         if (beyond > 0 && beyond * beyond >= radius * radius * glm::dot(middle, middle)) return true;
         const auto foot = closest_of_patch(patch);
-        if (foot.squared < clear) return false;
-        if (glm::dot(foot.offset, normal) <= touching) return true; // where it stands
+        if (foot.squared < (radius - rounding) * (radius - rounding)) return false;
+        if (glm::dot(foot.offset, normal) <= -radius * (1 - 1e-9)) return true; // where it stands
+        return is_passed(foot.offset);
+    }
+
+private:
+    /// The box that holds the patch is a radius away from the box that holds the way.
+    [[nodiscard]] bool is_boxed_away(const RelativePatch& patch) const noexcept {
+        const auto off = [](double begin, double end, double to) {
+            return glm::max(glm::max(begin - glm::max(to, 0.0), glm::min(to, 0.0) - end), 0.0);
+        };
+        const double x = off(patch.x, patch.x + patch.dx, back.x),
+                     y = off(patch.y, patch.y + patch.dy, back.y),
+                     z = off(patch.lowest(), patch.highest(), back.z);
+        return x * x + y * y + z * z >= radius * radius;
+    }
+    [[nodiscard]] bool is_passed(const glm::dvec3& point) const noexcept {
+        constexpr double near = 63.0 / 64, nearest = 7.0 / 8; // of the radius
+        const double length_squared = glm::dot(back, back);
         const double part =
-            length_squared > 0 ? glm::clamp(glm::dot(foot.offset, back) / length_squared, 0.0, 1.0) : 0.0;
-        const glm::dvec3 apart = foot.offset - part * back;
-        const double apart_squared = glm::dot(apart, apart);
-        if (apart_squared >= near) return true;
-        const glm::dvec3 out = glm::normalize(back - foot.offset), around = glm::dot(back, out) * out - back;
-        return apart_squared >= nearest && glm::dot(from - target, around) <= 0;
-    };
-    // All cells under the box, one after the other: few, and mostly all of them are clear.
+            length_squared > 0 ? glm::clamp(glm::dot(point, back) / length_squared, 0.0, 1.0) : 0.0;
+        const double apart = glm::distance(point, part * back);
+        if (apart >= near * radius) return true;
+        const glm::dvec3 out = glm::normalize(back - point), around = glm::dot(back, out) * out - back;
+        return apart >= nearest * radius && glm::dot(back - target, around) <= 0;
+    }
+};
+
+/// Whether nothing is in the way of a ball that rolls to `to`. Looks at all cells under it and its way, one after the other:
+/// they are few, and mostly all of them are clear. Counts them; false as well if they are more than `work`.
+template <HeightField Field>
+[[nodiscard]] bool rolls_freely(const Field& field, const glm::dvec3& to, const RollingBall& ball,
+                                Index& work) noexcept {
+    const ReachSearch<Field> search{field, to, 0, 0};
     const CellRange cells = field.cells();
     const glm::dvec2 per_metre = field.lattice().cells_per_metre();
-    RelativePatch patch;
-    const auto offset = [](double metres, double cells_per_metre) {
+    const auto cells_to = [](double metres, double cells_per_metre) {
         return static_cast<Index>(glm::clamp(std::floor(metres * cells_per_metre), -1e6, 1e6));
     };
+    if (!(ball.radius * glm::max(per_metre.x, per_metre.y) < 1e5)) return false;
+    const glm::dvec3 low = glm::min(ball.back, 0.0) - ball.radius,
+                     high = glm::max(ball.back, 0.0) + ball.radius;
     const glm::dvec2 corner = search.corner();
     const Cell base = search.base();
-    const Cell begin{glm::max(base.i + offset(low.x - radius - corner.x, per_metre.x), cells.begin.i),
-                     glm::max(base.j + offset(low.y - radius - corner.y, per_metre.y), cells.begin.j)};
-    const Cell end{glm::min(base.i + offset(high.x + radius - corner.x, per_metre.x) + 1, cells.end.i),
-                   glm::min(base.j + offset(high.y + radius - corner.y, per_metre.y) + 1, cells.end.j)};
+    const Cell begin{glm::max(base.i + cells_to(low.x - corner.x, per_metre.x), cells.begin.i),
+                     glm::max(base.j + cells_to(low.y - corner.y, per_metre.y), cells.begin.j)};
+    const Cell end{glm::min(base.i + cells_to(high.x - corner.x, per_metre.x) + 1, cells.end.i),
+                   glm::min(base.j + cells_to(high.y - corner.y, per_metre.y) + 1, cells.end.j)};
+    RelativePatch patch;
     for (Index j = begin.j; j < end.j; ++j) {
         for (Index i = begin.i; i < end.i; ++i) {
             if (--work < 0) return false;
-            if (search.read({i, j}, patch) && !is_clear_of(patch)) return false;
+            if (search.read({i, j}, patch) && !ball.is_clear_of(patch)) return false;
         }
     }
     return true;

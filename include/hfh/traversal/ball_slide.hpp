@@ -46,8 +46,9 @@ public:
     /// At most so many patches and blocks are looked at.
     BallSlide(const Field& field, const BallOnSurface& ball, const glm::dvec3& centre,
               Index max_work) noexcept
-        : field_{&field}, ball_{ball}, centre_{centre}, work_{max_work},
-          looks_{BallObstacles<Field>{field, ball.surface}, BallObstacles<Field>{field, ball.surface}} {}
+        : field_{&field}, ball_{ball}, centre_{centre}, work_{max_work}, looks_{BallObstacles<Field>{field},
+                                                                                BallObstacles<Field>{field}} {
+    }
 
     [[nodiscard]] const glm::dvec3& centre() const noexcept { return centre_; }
     [[nodiscard]] Side side() const noexcept { return ball_.side; }
@@ -75,6 +76,9 @@ public:
     [[nodiscard]] BallSlideEnd run(const glm::dvec3& target, bool touched, int max_steps,
                                    double friction = 0) noexcept;
 
+    /// Slides so many metres towards the target and no farther. False where that ends before, or is not possible.
+    [[nodiscard]] bool glide(const glm::dvec3& target, double length) noexcept;
+
 private:
     /// Where the centre is to go from where it is: steps, in metres.
     struct Move {
@@ -96,6 +100,10 @@ private:
         work_limit
     };
 
+    // What the distance is bent by along a step, of what it is in free space.
+    static constexpr double flattest = 0.02; ///< for a step of second order
+    static constexpr double crest = -1e-6;   ///< below it, the distance is highest
+
     [[nodiscard]] double widest() const noexcept { return widest_margin(*field_, ball_.radius); }
     /// What rounding makes of a distance from the centre, in metres.
     [[nodiscard]] double rounding_at(const glm::dvec3& centre) const noexcept {
@@ -103,7 +111,7 @@ private:
     }
     /// A step that is shorter cannot be told from none.
     [[nodiscard]] double shortest_step(const glm::dvec3& target) const noexcept {
-        return 1e-9 * glm::distance(centre_, target) + epsilon<double> * ball_.radius;
+        return 1e-9 * glm::min(glm::distance(centre_, target), ball_.radius) + rounding_at(centre_);
     }
     [[nodiscard]] bool is_on_wrong_side(const glm::dvec3& at) const noexcept {
         const Side here = side_of(*field_, at);
@@ -111,11 +119,21 @@ private:
         return here != Side::none && here != ball_.side;
     }
 
-    /// A solid: nothing holds the ball but rims, and they would push it down.
+    /// The side on which a ball that came from beside the surface touches it.
+    [[nodiscard]] Side touched_side() const noexcept {
+        const bool from_below = around()[move_.held.faces[0]].from_below;
+        return from_below && ball_.surface == SurfaceKind::sheet ? Side::below : Side::above;
+    }
+    /// A solid: nothing holds the ball but rims and what is over it, and they would push it down.
     [[nodiscard]] bool hangs_on_rim(const glm::dvec3& target) const noexcept;
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
     /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const glm::dvec3& way, Move& move) const noexcept;
+    /// On the line that two planes leave, and on one plane: the step, and the crests. False where the distance is bent up too little.
+    [[nodiscard]] bool step_on_line(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                    glm::dvec3& step) const noexcept;
+    [[nodiscard]] bool step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                     glm::dvec3& step) const noexcept;
     [[nodiscard]] MoveEnd make_move(const glm::dvec3& target, const Move& move) noexcept;
     /// Takes a step, pushes the ball clear, and keeps that if the centre is nearer then. `wanted`: how far it would go if it could.
     [[nodiscard]] MoveEnd try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept;
@@ -151,6 +169,7 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
         move_ = plan(target, friction);
         touched_ = touched_ || move_.touches;
         if (hangs_on_rim(target)) return BallSlideEnd::off_rim;
+        if (ball_.side == Side::none && move_.touches && move_.held.count > 0) ball_.side = touched_side();
         if (move_.arrived && move_.crest_count == 0) return BallSlideEnd::minimum;
         if (step >= max_steps) return BallSlideEnd::step_limit;
         switch (make_move(target, move_)) {
@@ -164,12 +183,26 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
 }
 
 template <HeightField Field>
+bool BallSlide<Field>::glide(const glm::dvec3& target, double length) noexcept {
+    // The last part is not worth a step of its own.
+    for (double left = length; left > length / 64;) {
+        const glm::dvec3 before = centre_;
+        if (!look(glm::min(left, widest())) || overlaps()) return false;
+        if (run(target, true, 1) != BallSlideEnd::step_limit) return false;
+        const double gone = glm::distance(before, centre_);
+        if (!(gone > length / 1024)) return false;
+        left -= gone;
+    }
+    return true;
+}
+
+template <HeightField Field>
 bool BallSlide<Field>::hangs_on_rim(const glm::dvec3& target) const noexcept {
-    if (ball_.surface != SurfaceKind::solid || !move_.touches || move_.held.count == 0) return false;
-    const double near = rounding_at(centre_) + 1e-9 * ball_.radius;
+    if (ball_.surface != SurfaceKind::solid || move_.held.count == 0) return false;
+    const double near = ball_.radius / 1024;
     for (int k = 0; k < move_.held.count; ++k) {
         const BallObstacle& obstacle = around()[move_.held.faces[k]];
-        if (!obstacle.on_rim || obstacle.gap > near) return false;
+        if (!(obstacle.on_rim || obstacle.from_below) || obstacle.gap > near) return false;
     }
     return move_.held.step.z - (target.z - centre_.z) < 0;
 }
@@ -205,7 +238,6 @@ auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noe
 
 template <HeightField Field>
 void BallSlide<Field>::plan_second_step(const glm::dvec3& way, Move& move) const noexcept {
-    constexpr double flattest = 0.02; // of what the distance is bent by in free space
     const PolyhedronPoint& held = move.held;
     move.second = move.first;
     move.wanted = glm::length(move.first);
@@ -213,44 +245,57 @@ void BallSlide<Field>::plan_second_step(const glm::dvec3& way, Move& move) const
     // Minimise ½ sᵀHs − way·s on the planes that hold the ball, with H = I − Σ share·∇²distance.
     glm::dmat3 hessian{1.0};
     for (int k = 0; k < held.count; ++k) {
-        const auto& obstacle = around()[held.faces[k]];
+        const BallObstacle& obstacle = around()[held.faces[k]];
         hessian -= held.shares[k] * around().turn(centre_, obstacle);
     }
-    const auto& face = around()[held.faces[0]];
-    const glm::dvec3 n = face.normal;
-    glm::dvec3 base = -face.gap * n, step;
-    if (held.count == 2) {
-        const auto& other = around()[held.faces[1]];
-        const double c = glm::dot(n, other.normal), det = 1 - c * c;
-        base = ((c * other.gap - face.gap) * n + (c * face.gap - other.gap) * other.normal) / det;
-        const glm::dvec3 along = glm::normalize(glm::cross(n, other.normal));
-        const double bend = glm::dot(along, hessian * along);
-        if (bend < -1e-6) move.crests[move.crest_count++] = along;
-        if (!(bend > flattest)) return;
-        step = base + glm::dot(along, way - hessian * base) / bend * along;
-    } else {
-        const glm::dvec3 axis = std::abs(n.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0};
-        const glm::dvec3 a = glm::normalize(glm::cross(n, axis)), b = glm::cross(n, a);
-        const glm::dvec3 ha = hessian * a, hb = hessian * b, rest = way - hessian * base;
-        const double aa = glm::dot(a, ha), ab = glm::dot(a, hb), bb = glm::dot(b, hb);
-        const double mean = (aa + bb) / 2, apart = (aa - bb) / 2, spread = std::sqrt(apart * apart + ab * ab);
-        if (mean - spread < -1e-6) {
-            // The vector of the smaller bend.
-            const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
-            const double size = std::sqrt(x * x + y * y);
-            const glm::dvec3 most = size > 0 ? (x * a + y * b) / size : a;
-            move.crests[move.crest_count++] = most;
-            if (mean + spread < -1e-6) move.crests[move.crest_count++] = glm::cross(n, most);
-        }
-        if (!(mean - spread > flattest)) return;
-        const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
-        step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
-    }
+    glm::dvec3 step;
+    const bool bends_up =
+        held.count == 2 ? step_on_line(way, hessian, move, step) : step_on_plane(way, hessian, move, step);
+    if (!bends_up) return;
     const double clear = around().clear_part(step, 1e-12 * ball_.radius);
     if (clear > 0.25) {
         move.second = clear * step;
         move.wanted = glm::length(step);
     }
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::step_on_line(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                    glm::dvec3& step) const noexcept {
+    const BallObstacle &one = around()[move.held.faces[0]], &other = around()[move.held.faces[1]];
+    const double c = glm::dot(one.normal, other.normal), det = 1 - c * c;
+    const glm::dvec3 base =
+        ((c * other.gap - one.gap) * one.normal + (c * one.gap - other.gap) * other.normal) / det;
+    const glm::dvec3 along = glm::normalize(glm::cross(one.normal, other.normal));
+    const double bend = glm::dot(along, hessian * along);
+    if (bend < crest) move.crests[move.crest_count++] = along;
+    if (!(bend > flattest)) return false;
+    step = base + glm::dot(along, way - hessian * base) / bend * along;
+    return true;
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
+                                     glm::dvec3& step) const noexcept {
+    const BallObstacle& face = around()[move.held.faces[0]];
+    const glm::dvec3 n = face.normal, base = -face.gap * n;
+    const glm::dvec3 axis = std::abs(n.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0};
+    const glm::dvec3 a = glm::normalize(glm::cross(n, axis)), b = glm::cross(n, a);
+    const glm::dvec3 ha = hessian * a, hb = hessian * b, rest = way - hessian * base;
+    const double aa = glm::dot(a, ha), ab = glm::dot(a, hb), bb = glm::dot(b, hb);
+    const double mean = (aa + bb) / 2, apart = (aa - bb) / 2, spread = std::sqrt(apart * apart + ab * ab);
+    if (mean - spread < crest) {
+        // The vector of the smaller bend, and of the larger.
+        const double x = apart > 0 ? ab : apart - spread, y = apart > 0 ? -(apart + spread) : ab;
+        const double size = std::sqrt(x * x + y * y);
+        const glm::dvec3 lowest = size > 0 ? (x * a + y * b) / size : a;
+        move.crests[move.crest_count++] = lowest;
+        if (mean + spread < crest) move.crests[move.crest_count++] = glm::cross(n, lowest);
+    }
+    if (!(mean - spread > flattest)) return false;
+    const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
+    step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
+    return true;
 }
 
 template <HeightField Field>
@@ -319,9 +364,10 @@ auto BallSlide<Field>::try_step(const glm::dvec3& target, const glm::dvec3& step
     const glm::dvec3 rest = target - next;
     const double before = glm::dot(way, way), after = glm::dot(rest, rest);
     const bool falls = after < before * (1 - 4 * epsilon<double>);
-    // Nearer than the distance tells: the step gets shorter each time.
-    const bool settles = length * length <= 1e-12 * before && length < last_step_ / 2 &&
-                         after <= before * (1 + 4 * epsilon<double>);
+    // Nearer than the distance tells, which is no better than the place where the ball is clear: the step gets shorter each time.
+    const double rounding = 4 * epsilon<double> * before + 2 * std::sqrt(before) * rounding_at(next);
+    const bool settles =
+        length * length <= 1e-10 * before && length < last_step_ / 2 && after <= before + rounding;
     if (!falls && !settles) return MoveEnd::no_nearer;
     if (is_round_rim) ball_.side = side_of(*field_, next);
     move_to(next, length);
@@ -364,7 +410,7 @@ bool BallSlide<Field>::lift() noexcept {
         }
     }
     const glm::dvec3 from{c.x, c.y, sign * (top + radius * (1 + 1e-6) + 1e-9 * std::abs(top))};
-    const auto down = first_touch(*field_, from, c, radius, SurfaceKind::sheet);
+    const auto down = first_touch(*field_, from, c, radius);
     if (down.status != BallSweepStatus::touch) return false;
     centre_ = from + down.t * (c - from);
     return true;

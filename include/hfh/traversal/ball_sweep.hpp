@@ -38,14 +38,14 @@ struct BallSweep {
 };
 
 /// The first place where a ball of `radius` touches the surface while its centre moves from `from` to `to` (world coordinates,
-/// metres). A solid is met from above only; a ball that goes by below it, or a wire of its rim from below, meets nothing.
+/// metres). It is met from either side, and its rims are wires.
 ///
 /// At t a point of the surface is within radius·(1 ± 1e-9) of the centre, and no point comes nearer than radius·(1 − 1e-9)
 /// before; a touch by less may be found or passed over. Computes in double. Does not throw and does not allocate.
 template <HeightField Field>
-[[nodiscard]] BallSweep<typename Field::Scalar>
-first_touch(const Field& field, const glm::dvec3& from, const glm::dvec3& to, double radius,
-            SurfaceKind surface = SurfaceKind::solid, Index max_work = 1'000'000) noexcept;
+[[nodiscard]] BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
+                                                            const glm::dvec3& to, double radius,
+                                                            Index max_work = 1'000'000) noexcept;
 
 namespace detail {
 
@@ -56,14 +56,74 @@ template <HeightField Field>
     return glm::max(radius / 2, glm::min(spacing.x, spacing.y) / 2);
 }
 
+/// A ball on a segment, and what is around it at t.
+template <HeightField Field>
+class SweptBall {
+public:
+    SweptBall(const Field& field, const glm::dvec3& from, const glm::dvec3& to, double radius,
+              Index max_work) noexcept
+        : from_{from}, way_{to - from}, radius_{radius},
+          margin_{glm::min(widest_margin(field, radius), glm::length(way_))}, work_{max_work}, around_{
+                                                                                                   field} {}
+
+    [[nodiscard]] Index work_left() const noexcept { return work_; }
+    [[nodiscard]] double t() const noexcept { return t_; }
+    [[nodiscard]] bool overlaps() const noexcept { return around_.smallest_gap() < -touching(); }
+    /// False if that is too much work; t stays then.
+    [[nodiscard]] bool look_at(double t) noexcept {
+        if (!around_.look(from_ + t * way_, radius_, margin_, work_)) return false;
+        t_ = t;
+        return true;
+    }
+    /// The nearest of the obstacles that the ball touches and goes against.
+    [[nodiscard]] const BallObstacle* touched() const noexcept {
+        const BallObstacle* nearest = nullptr;
+        for (const BallObstacle& obstacle : around_) {
+            const bool touches = obstacle.gap <= touching() && glm::dot(obstacle.normal, way_) < 0;
+            if (touches && (!nearest || obstacle.gap < nearest->gap)) nearest = &obstacle;
+        }
+        return nearest;
+    }
+    /// Goes on to where the first of the half-spaces ends. False if that is too much work.
+    [[nodiscard]] bool advance() noexcept {
+        const double length = glm::length(way_), part = glm::min(around_.margin() / length, 1 - t_),
+                     before = t_;
+        const double next = glm::min(1.0, t_ + part * around_.clear_part(part * way_, 0));
+        return look_at(next) && (!overlaps() || turn_back(before));
+    }
+
+private:
+    [[nodiscard]] double touching() const noexcept { return 1e-9 * radius_; }
+    /// A patch that is curved comes nearer than its plane told: from where the ball overlaps it back to where it touches, after a t at
+    /// which it was clear.
+    [[nodiscard]] bool turn_back(double clear) noexcept {
+        double beyond = t_;
+        for (;;) {
+            const double middle = clear + (beyond - clear) / 2;
+            if (!(middle > clear && middle < beyond)) return look_at(clear);
+            if (!look_at(middle)) return false;
+            if (overlaps()) {
+                beyond = middle;
+            } else if (touched()) {
+                return true;
+            } else {
+                clear = middle;
+            }
+        }
+    }
+
+    glm::dvec3 from_, way_;
+    double radius_, margin_, t_ = 0;
+    Index work_;
+    BallObstacles<Field> around_;
+};
+
 } // namespace detail
 
 template <HeightField Field>
 BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
-                                              const glm::dvec3& to, double radius, SurfaceKind surface,
-                                              Index max_work) noexcept {
+                                              const glm::dvec3& to, double radius, Index max_work) noexcept {
     using T = typename Field::Scalar;
-    constexpr double touching = 1e-9; // of the radius
     BallSweep<T> result;
     const auto is_place = [](const glm::dvec3& p) {
         return is_height(p.x) && is_height(p.y) && is_height(p.z);
@@ -72,62 +132,30 @@ BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dve
         result.status = BallSweepStatus::bad_query;
         return result;
     }
-    const glm::dvec3 way = to - from;
-    const double length = glm::length(way), ends_at = touching * radius;
-    detail::BallObstacles<Field> around{field, surface};
-    Index work = max_work;
-    const auto end = [&](BallSweepStatus status, double t) {
+    detail::SweptBall<Field> ball{field, from, to, radius, max_work};
+    const auto end = [&](BallSweepStatus status) {
         result.status = status;
-        result.t = t;
-        result.work = max_work - work;
+        result.t = ball.t();
+        result.work = max_work - ball.work_left();
         return result;
     };
-    const auto look = [&](double t, double margin) {
-        return around.look(from + t * way, radius, margin, work);
-    };
-    // The obstacle that is nearest, if the ball goes against it.
-    const auto touch_at = [&](double t) {
-        const detail::BallObstacle* nearest = nullptr;
-        for (const auto& obstacle : around) {
-            if (glm::dot(obstacle.normal, way) < 0 && obstacle.gap <= ends_at &&
-                (!nearest || obstacle.gap < nearest->gap))
-                nearest = &obstacle;
-        }
-        if (!nearest) return false;
-        const auto& at = nearest->point;
-        result.point = {at.cell, static_cast<T>(at.u), static_cast<T>(at.v)};
-        result.normal = vec3<T>{nearest->normal};
-        result.t = t;
-        return true;
-    };
-
-    const double margin = detail::widest_margin(field, radius);
-    double t = 0;
-    if (!look(t, glm::min(margin, length))) return end(BallSweepStatus::work_limit, t);
-    if (around.smallest_gap() < -ends_at) return end(BallSweepStatus::overlap, t);
+    if (!ball.look_at(0)) return end(BallSweepStatus::work_limit);
+    if (ball.overlaps()) return end(BallSweepStatus::overlap);
     for (;;) {
-        if (touch_at(t)) return end(BallSweepStatus::touch, t);
-        if (!(t < 1)) return end(BallSweepStatus::miss, 1);
-        double far = around.margin() / length;
-        const glm::dvec3 ahead = glm::min(far, 1 - t) * way;
-        double next = glm::min(1.0, t + around.clear_part(ahead, 0) * glm::min(far, 1 - t));
-        if (!(next > t)) return end(BallSweepStatus::touch, t);
-        if (!look(next, glm::min(margin, length))) return end(BallSweepStatus::work_limit, t);
-        // A patch that is curved comes nearer than its plane told.
-        double clear = t;
-        for (int halving = 0; halving < 60 && around.smallest_gap() < -ends_at; ++halving) {
-            const double middle = clear + (next - clear) / 2;
-            if (!(middle > clear && middle < next)) break;
-            if (!look(middle, glm::min(margin, length))) return end(BallSweepStatus::work_limit, t);
-            if (around.smallest_gap() < -ends_at) {
-                next = middle;
-            } else {
-                if (touch_at(middle)) return end(BallSweepStatus::touch, middle);
-                clear = middle;
-                if (!look(next, glm::min(margin, length))) return end(BallSweepStatus::work_limit, t);
-            }
+        if (const auto* touched = ball.touched()) {
+            const auto& at = touched->point;
+            result.point = {at.cell, static_cast<T>(at.u), static_cast<T>(at.v)};
+            result.normal = vec3<T>{touched->normal};
+            return end(BallSweepStatus::touch);
         }
-        t = next;
+        if (!(ball.t() < 1) || from == to) {
+            result = end(BallSweepStatus::miss);
+            result.t = 1;
+            return result;
+        }
+        const double before = ball.t();
+        if (!ball.advance()) return end(BallSweepStatus::work_limit);
+        if (!(ball.t() > before)) return end(BallSweepStatus::touch); // as far as roundings tell
     }
 }
 

@@ -96,13 +96,50 @@ descend(const Field& field, const vec3<typename Field::Scalar>& query,
 
 namespace detail {
 
+/// How far the point of a descent may move: any distance.
+struct AnyDistance {
+    template <Real T>
+    [[nodiscard]] static constexpr bool cuts_short(const DistanceFunction<T>&, const SurfacePoint<T>&,
+                                                   const vec2<T>&) noexcept {
+        return false;
+    }
+};
+
+/// How far the point of a descent may move on the surface: so many metres and no more.
+template <Real T>
+struct DistanceLeft {
+    T metres;           ///< ≥ 0
+    bool moved = false; ///< the point has moved
+
+    /// Shortens a step in a patch, from `at` to `to`, to what is left. The first step goes 2⁻¹² cells at least, so that a
+    /// point on its way is never too slow for its coordinates. True if the step is shortened, which the descent ends with.
+    [[nodiscard]] bool cuts_short(const DistanceFunction<T>& distance, const SurfacePoint<T>& at,
+                                  vec2<T>& to) noexcept {
+        const T du = to.x - at.u, dv = to.y - at.v;
+        // A bound of the length on the surface, for the slope along the step is greatest at one of its ends.
+        const T slope = glm::max(std::abs(distance.slope_u(at.v) * du + distance.slope_v(at.u) * dv),
+                                 std::abs(distance.slope_u(to.y) * du + distance.slope_v(to.x) * dv));
+        const T length = std::sqrt(distance.dx2 * du * du + distance.dy2 * dv * dv + slope * slope);
+        const T least = moved ? T(0) : T(0x1p-12) / glm::max(std::abs(du), std::abs(dv));
+        moved = true;
+        const T share = glm::max(metres / length, least);
+        if (!(share < 1)) {
+            metres = glm::max(metres - length, T(0));
+            return false;
+        }
+        metres = 0;
+        to = {at.u + share * du, at.v + share * dv};
+        return true;
+    }
+};
+
 /// `descend`, from the start on or from where it was cut short. Inlined where it is the hot path, so that its result is not
 /// returned through memory.
-template <HeightField Field>
+template <HeightField Field, class Way = AnyDistance>
 [[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-               DescentProgress<typename Field::Scalar>& progress) noexcept;
+               DescentProgress<typename Field::Scalar>& progress, Way way = {}) noexcept;
 
 /// The same, for where it is not the hot path.
 template <HeightField Field>
@@ -111,6 +148,18 @@ descend_on(const Field& field, const vec3<typename Field::Scalar>& query,
            const SurfacePoint<typename Field::Scalar>& start, int max_patches,
            DescentProgress<typename Field::Scalar>& progress) noexcept {
     return descend_inline(field, query, start, max_patches, progress);
+}
+
+/// `descend` from the start on, but the point moves no farther than so many metres, or 2⁻¹² cells, and ends there with
+/// work_limit.
+template <HeightField Field>
+[[nodiscard, gnu::noinline]] DescentResult<typename Field::Scalar>
+descend_no_farther(const Field& field, const vec3<typename Field::Scalar>& query,
+                   const SurfacePoint<typename Field::Scalar>& start, int max_patches,
+                   typename Field::Scalar metres) noexcept {
+    DescentProgress<typename Field::Scalar> progress;
+    return descend_inline(field, query, start, max_patches, progress,
+                          DistanceLeft<typename Field::Scalar>{metres});
 }
 
 // The patches that meet at a point on the border of its patch.
@@ -281,12 +330,12 @@ enum class PatchEnd : unsigned char {
 }
 
 /// Newton's method from `at` to the minimum of the patch or to its border. `f` and `active` are those of `at`, and again
-/// after PatchEnd::work_limit.
-template <Real T>
+/// after PatchEnd::work_limit, but not where `way` cut a step short.
+template <Real T, class Way>
 [[nodiscard, gnu::always_inline]] inline PatchEnd
 descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
                  typename DistanceFunction<T>::Value& f, ActiveSet& active, int& steps, int& patches,
-                 int max_patches) noexcept {
+                 int max_patches, Way& way) noexcept {
     using enum NewtonStep;
     if (active.is_stationary()) return PatchEnd::minimum;
     for (;;) {
@@ -304,8 +353,13 @@ descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
         if (steps > 3) [[unlikely]]
             distance.snap_flat_axis(to);
         if (to.x == at.u && to.y == at.v) return PatchEnd::resolution;
+        const bool is_cut_short = way.cuts_short(distance, at, to);
         at.u = to.x;
         at.v = to.y;
+        if (is_cut_short) {
+            steps = 0;
+            return PatchEnd::work_limit;
+        }
         if (on_border(at)) return leads_across(step) ? PatchEnd::crossing : PatchEnd::border;
         if (step == arrived) return PatchEnd::minimum;
         f = distance(at.u, at.v);
@@ -409,11 +463,11 @@ describe(const Field& field, const SurfacePoint<T>& at, const DistanceFunction<T
     return {status, at, {x, y, z}, {nx, ny, nz}, x * nx + y * ny + z * nz, patches};
 }
 
-template <HeightField Field>
+template <HeightField Field, class Way>
 [[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                const SurfacePoint<typename Field::Scalar>& start, int max_patches,
-               DescentProgress<typename Field::Scalar>& progress) noexcept {
+               DescentProgress<typename Field::Scalar>& progress, Way way) noexcept {
     using T = typename Field::Scalar;
     const auto first = field.patch(start.cell);
     if (!first) return {.status = DescentStatus::off_hole, .point = start, .patches = 1};
@@ -436,7 +490,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             if (!steepest.leads_down()) break;
             enter(steepest, at, distance, f, active, steps);
         }
-        const auto end = descend_in_patch(distance, at, f, active, steps, patches, max_patches);
+        const auto end = descend_in_patch(distance, at, f, active, steps, patches, max_patches, way);
         if (end == PatchEnd::resolution) break; // with the status of the last comparison
         if (end == PatchEnd::minimum) {
             status = DescentStatus::minimum;
