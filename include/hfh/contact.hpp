@@ -6,6 +6,7 @@
 #include <hfh/contact/ball_contact.hpp>
 #include <hfh/contact/ball_friction.hpp>
 #include <hfh/contact/ball_glide.hpp>
+#include <hfh/contact/ball_level_change.hpp>
 #include <hfh/contact/ball_shading.hpp>
 #include <hfh/contact/ball_touches.hpp>
 #include <hfh/contact/ball_tracker.hpp>
