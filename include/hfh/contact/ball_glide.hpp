@@ -46,10 +46,7 @@ public:
         point_.set_speed(metres_per_update);
     }
     /// Forgets the ball, as after a release.
-    constexpr void reset() noexcept {
-        state_ = {};
-        point_.reset();
-    }
+    constexpr void reset() noexcept { state_ = {}; }
     [[nodiscard]] constexpr const BallGlideState<T>& state() const noexcept { return state_; }
     constexpr void restore(const BallGlideState<T>& state) noexcept { state_ = state; }
 
@@ -83,6 +80,7 @@ BallContact<T> BallGlide<T>::follow(const Field& field, const BallContact<T>& co
     const double most = speed_ + glm::distance(to, state_.stylus);
     state_.stylus = to;
     state_.side = contact.side;
+    state_.point = {};
     state_.is_under_way = false;
     if (follows && glm::distance(state_.centre, contact.centre) > most) {
         const SurfaceKind surface = contact.side == Side::below ? SurfaceKind::sheet : SurfaceKind::solid;

@@ -255,6 +255,9 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     }
     const glm::dvec3 offset = to_foot + radius * normal, centre = to + offset;
     const double share = glm::dot(offset, normal);
+    // On faces so steep that the scalar does not tell the foot to half its digits the slide computes in double.
+    const glm::dvec3 across = offset - share * normal;
+    if (glm::dot(across, across) > widen(epsilon<Scalar>) * glm::dot(offset, offset)) return false;
     // Never farther, and no farther on the way than a look around its end tells about.
     const glm::dvec3 before = state_.centre - to, way = centre - state_.centre;
     const double length = glm::length(way);
