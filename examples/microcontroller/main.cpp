@@ -13,7 +13,7 @@
 namespace {
 
 using Scalar = HFH_SCALAR;
-using Ground = hfh::BilinearGrid<Scalar, hfh::HeightView<std::int16_t>>;
+using Ground = hfh::BilinearGrid<Scalar, hfh::HeightView<std::int16_t>, Scalar>;
 
 constexpr Ground ground{
     hfh::HeightView{microcontroller::ground.data(), microcontroller::samples, microcontroller::samples},
