@@ -234,14 +234,20 @@ glm::dvec2 random_place(Random& random, const Terrain<T>& ground, bool on_column
 template <Real T>
 void first_crossing() {
     Random random{104};
+    // How near to a graze roundings may tell either way, and how exact times are.
+    using F = PlaceScalar<T>;
+    constexpr bool in_double = std::is_same_v<F, double>;
+    constexpr Wide graze = in_double ? 1e-11L : 2e-5L, time_error = in_double ? 1e-14L : 1e-6L;
     long segments = 0, wrong = 0, unclear = 0, hits = 0;
-    const auto compare = [&](const Terrain<T>& ground, const glm::dvec3& a, const glm::dvec3& b) {
+    const auto compare = [&](const Terrain<T>& ground, const glm::dvec3& start, const glm::dvec3& end) {
+        const vec3<F> from{start}, to{end};
+        const glm::dvec3 a = widen(from), b = widen(to);
         const auto kind = random.one_in(2) ? SurfaceKind::solid : SurfaceKind::sheet;
-        const auto found = first_hit(ground.grid(), a, b, {.surface = kind});
+        const auto found = first_hit(ground.grid(), from, to, {.surface = kind});
         const auto pieces = hit_pieces(ground, a, b);
         const auto exact = brute_force_hit(pieces, kind),
-                   lifted = brute_force_hit(pieces, kind, Side::none, 1e-11L),
-                   lowered = brute_force_hit(pieces, kind, Side::none, -1e-11L);
+                   lifted = brute_force_hit(pieces, kind, Side::none, graze),
+                   lowered = brute_force_hit(pieces, kind, Side::none, -graze);
         ++segments;
         if (exact.hit != lifted.hit || exact.hit != lowered.hit || exact.side != lifted.side ||
             exact.side != lowered.side || std::abs(lifted.t - lowered.t) > 1e-3L) {
@@ -251,8 +257,8 @@ void first_crossing() {
         const Wide first = std::min({exact.t, lifted.t, lowered.t}),
                    last = std::max({exact.t, lifted.t, lowered.t});
         const bool right = (found.status == HitStatus::hit) == exact.hit && found.side == exact.side &&
-                           static_cast<Wide>(found.t) >= first - 1e-14L &&
-                           static_cast<Wide>(found.t) <= last + 1e-14L;
+                           static_cast<Wide>(found.t) >= first - time_error &&
+                           static_cast<Wide>(found.t) <= last + time_error;
         hits += exact.hit;
         if (!right && wrong++ < 3) {
             std::printf("  %.17g %.17g %.17g -> %.17g %.17g %.17g on a terrain of %td x %td\n", a.x, a.y, a.z,
@@ -296,7 +302,8 @@ void first_crossing() {
             break;
         }
         default: { // from an ulp beside a vertex
-            const glm::dvec2 near{std::nextafter(v.x, random.one_in(2) ? 1e9 : -1e9), v.y};
+            const glm::dvec2 near{
+                widen(std::nextafter(static_cast<F>(v.x), random.one_in(2) ? F(1e9) : F(-1e9))), v.y};
             compare(ground, {near, z()}, {2.0 * near - p, z()});
         }
         }

@@ -99,7 +99,7 @@ public:
 
     /// A moment to come back to: the tracker's state, and the contact with which it came there.
     struct Moment {
-        TrackerState<T> state{};
+        typename ProxyTracker<Field>::State state{};
         Contact<T> contact{};
     };
     [[nodiscard]] const Moment& now() const noexcept { return now_; }

@@ -127,8 +127,8 @@ private:
         const auto under = surface.under(
             q.x, q.y, Wide(1e-12L) * (1 + std::abs(surface.column_of(q.x)) + std::abs(surface.row_of(q.y))));
         if (!under) return {q, under, Wide(0), Wide(0)};
-        // Sides are decided in double whatever the scalar, from numbers that are exact: a few roundings.
-        return {q, under, 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<double>)),
+        // Sides are decided in what the lattice computes in, from numbers that are exact: a few roundings.
+        return {q, under, 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<PlaceScalar<T>>)),
                 q.z - surface.patch(under->i, under->j)->height(under->u, under->v)};
     }
 
