@@ -230,7 +230,8 @@ glm::dvec2 random_place(Random& random, const Terrain<T>& ground, bool on_column
     return ground.frame.origin + cells * ground.frame.spacing;
 }
 
-/// Against brute force over every cell; a segment within 1e-11 m of a graze may go either way.
+/// Against brute force over every cell; a segment within 1e-11 m of a graze (where the lattice is in float, 2e-5 m) may go
+/// either way.
 template <Real T>
 void first_crossing() {
     Random random{104};
@@ -248,9 +249,15 @@ void first_crossing() {
         const auto exact = brute_force_hit(pieces, kind),
                    lifted = brute_force_hit(pieces, kind, Side::none, graze),
                    lowered = brute_force_hit(pieces, kind, Side::none, -graze);
+        // One that begins on the surface but for roundings may hit there.
+        const bool hits_at_start = !in_double && found.status == HitStatus::hit && found.t < F(1e-4) &&
+                                   std::any_of(pieces.begin(), pieces.end(), [&](const HitPiece& piece) {
+                                       return piece.t_in <= 0 && std::abs(piece.at(0)) <= graze;
+                                   });
         ++segments;
-        if (exact.hit != lifted.hit || exact.hit != lowered.hit || exact.side != lifted.side ||
-            exact.side != lowered.side || std::abs(lifted.t - lowered.t) > 1e-3L) {
+        if (hits_at_start || exact.hit != lifted.hit || exact.hit != lowered.hit ||
+            exact.side != lifted.side || exact.side != lowered.side ||
+            std::abs(lifted.t - lowered.t) > 1e-3L) {
             ++unclear;
             return;
         }
@@ -317,11 +324,10 @@ void first_crossing() {
         compare(strip, {x, random.between(0, 3), top},
                 {x + length, random.between(0, 3), random.between(3.5, top)});
     }
-    report(
-        "first_hit", name<T>,
-        text("%ld segments, %ld hits, %ld missed, invented or not the first; %ld within 1e-11 m of a graze",
-             segments, hits, wrong, unclear),
-        wrong);
+    report("first_hit", name<T>,
+           text("%ld segments, %ld hits, %ld missed, invented or not the first; %ld within %.0e m of a graze",
+                segments, hits, wrong, unclear, static_cast<double>(graze)),
+           wrong);
 }
 
 /// A hand that does all a hand can do, under a witness, on every terrain: solid and, every fourth update, sheet.
