@@ -7,13 +7,16 @@ include(FetchContent)
 set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
 
 macro(hfh_use_glm)
-    set(GLM_BUILD_LIBRARY OFF)
-    # hfh's export set refers to glm::glm, so a GLM that was fetched has to be installed along with hfh.
-    set(GLM_BUILD_INSTALL ${HFH_INSTALL})
-    FetchContent_Declare(glm
-        GIT_REPOSITORY https://github.com/g-truc/glm.git GIT_TAG 1.0.1 GIT_SHALLOW TRUE
-        SYSTEM FIND_PACKAGE_ARGS)
-    FetchContent_MakeAvailable(glm)
+    # A project that has its own GLM has its target already.
+    if(NOT TARGET glm::glm)
+        set(GLM_BUILD_LIBRARY OFF)
+        # hfh's export set refers to glm::glm, so a GLM that was fetched has to be installed along with hfh.
+        set(GLM_BUILD_INSTALL ${HFH_INSTALL})
+        FetchContent_Declare(glm
+            GIT_REPOSITORY https://github.com/g-truc/glm.git GIT_TAG 1.0.1 GIT_SHALLOW TRUE
+            SYSTEM FIND_PACKAGE_ARGS)
+        FetchContent_MakeAvailable(glm)
+    endif()
 endmacro()
 
 macro(hfh_use_catch2)

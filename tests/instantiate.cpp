@@ -14,10 +14,13 @@
 #include <hfh/force/passivity_observer.hpp>
 #include <hfh/force/virtual_coupling.hpp>
 #include <hfh/hfh.hpp>
+#include <hfh/loop/any_haptic_loop.hpp>
+#include <hfh/loop/haptic_loop.hpp>
 #include <hfh/simulation/driven_axis.hpp>
 #include <hfh/simulation/end_stops.hpp>
 #include <hfh/simulation/simulated_device.hpp>
 #include <hfh/terrain/blended_field.hpp>
+#include <hfh/terrain/bridged_field.hpp>
 #include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
@@ -68,12 +71,16 @@ template class TripleBuffer<DeviceSample>;
     template class BilinearGrid<double, HeightView<S, MissingValue<S>>>;                                     \
     template class ExtendedField<BilinearGrid<float, HeightView<S>>>;                                        \
     template class ExtendedField<BilinearGrid<double, HeightView<S>>>;                                       \
+    template class BridgedField<BilinearGrid<float, HeightView<S>>>;                                         \
+    template class BridgedField<BilinearGrid<double, HeightView<S>>>;                                        \
     template class DilatedField<BilinearGrid<float, HeightView<S>>>;                                         \
     template class DilatedField<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S>>>;                                         \
     template class ProxyTracker<BilinearGrid<double, HeightView<S>>>;                                        \
     template class ProxyTracker<BilinearGrid<float, HeightView<S, MissingValue<S>>>>;                        \
     template class ProxyTracker<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                       \
+    template class HapticLoop<BilinearGrid<float, HeightView<S>>>;                                           \
+    template class FieldLoop<BilinearGrid<double, HeightView<S, MissingValue<S>>>>;                          \
     template struct SampleRange<S>;                                                                          \
     template class MinMaxPyramid<S>;                                                                         \
     template class BoundedGrid<float, HeightView<S>>;                                                        \

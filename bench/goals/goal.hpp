@@ -69,6 +69,7 @@ struct Settings {
 [[nodiscard]] Findings compile_time(const Settings&);
 [[nodiscard]] Findings blended_levels(const Settings&);
 [[nodiscard]] Findings zoom(const Settings&);
+[[nodiscard]] Findings nearest(const Settings&);
 
 } // namespace hfh::bench
 

@@ -34,6 +34,7 @@ constexpr Part parts[] = {
     {"compile", compile_time},
     {"levels", blended_levels},
     {"zoom", zoom},
+    {"nearest", nearest},
 };
 
 void print(const Findings& found) {

@@ -3,11 +3,8 @@
 
 #include <hfh/hfh.hpp>
 
-#include <hfh/device/device.hpp>
-#include <hfh/device/force_guard.hpp>
 #include <hfh/device/triple_buffer.hpp>
-#include <hfh/device/workspace.hpp>
-#include <hfh/force/virtual_coupling.hpp>
+#include <hfh/loop/haptic_loop.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -57,50 +54,40 @@ struct Bounds {
 [[nodiscard]] inline double stiffness_for(const hfh::DeviceCapabilities& device) noexcept {
     return device.max_stiffness > 0 ? 0.8 * device.max_stiffness : 400;
 }
-/// Updates by which forces come late: half of one for the hold, as long as the driver tells no delay.
-inline constexpr double lag = 0.5;
-/// Limits that fit a device and that stiffness, behind the coupling.
+/// Limits that fit a device and that stiffness, behind the loop's coupling.
 [[nodiscard]] inline hfh::GuardLimits limits_for(const hfh::DeviceCapabilities& device) noexcept {
-    hfh::GuardLimits limits = hfh::guard_limits(device);
-    limits.stiffness = (1 + 1.5 * lag) * stiffness_for(device);
-    return limits;
+    return hfh::guard_limits(device, stiffness_for(device));
 }
 
-/// A terrain in the hand: what happens in one update, from sample to force. Button 0 is the clutch. A proxy that a
-/// ridge releases far from the stylus glides there over several updates, so that none takes long.
+/// A terrain in the hand: the loop, and what a display shows of it. Button 0 is the clutch.
 template <hfh::HeightField Field>
 class Scene {
 public:
-    using Scalar = typename Field::Scalar;
-
     /// `stiffness`: N/m at the hand.
     Scene(const Field& field, const hfh::WorkspaceFrame& frame, double stiffness,
           const hfh::GuardLimits& limits, const Bounds& bounds = {})
-        : workspace_{frame}, tracker_{field, {.max_contact_patches = 8}}, coupling_{{stiffness, lag}},
-          guard_{limits}, force_{.stiffness = workspace_.terrain_stiffness(stiffness)},
+        : loop_{field,
+                {.workspace = frame,
+                 .material = {.stiffness = stiffness},
+                 .limits = limits,
+                 .clutch_buttons = 1u}},
           lattice_{field.lattice()}, bounds_{bounds} {
         if (bounds_.map.empty()) bounds_.map = field.cells();
     }
 
     hfh::DeviceCommand operator()(const hfh::DeviceSample& sample) noexcept {
-        if (sample.force_refused) tracker_.reset();
-        const bool clutch = (sample.buttons & 1u) != 0;
-        const auto contact = tracker_.update(workspace_.update(sample.position, clutch));
-        const auto asked = clutch ? glm::dvec3{0.0} : workspace_.force_at_hand(force_(contact).newtons);
-        const auto coupled = coupling_(sample.position, asked).newtons;
-        const auto sent = guard_.update(sample, coupled, contact.status == hfh::ContactStatus::buried);
-        if (clutch) guard_.restart(); // no force meanwhile, and the ramp afterwards
-        const hfh::DeviceCommand command{clutch ? glm::dvec3{0.0} : sent.newtons};
-        const glm::dvec3 stylus = workspace_.to_terrain(sample.position);
-        shown_.put({sample.time, stylus, command.newtons, contact.status, sent.trip,
-                    place_of(sample.position, stylus, contact.status)});
+        const hfh::DeviceCommand command = loop_.update(sample);
+        const glm::dvec3 stylus = loop_.workspace().to_terrain(sample.position);
+        const hfh::ContactStatus contact = loop_.contact().status;
+        shown_.put({sample.time, stylus, command.newtons, contact, loop_.force().trip,
+                    place_of(sample.position, stylus, contact)});
         return command;
     }
 
     /// From one other thread.
     [[nodiscard]] bool show(Shown& shown) noexcept { return shown_.take(shown); }
     /// After the run.
-    [[nodiscard]] const hfh::GuardCounts& counts() const noexcept { return guard_.counts(); }
+    [[nodiscard]] const hfh::GuardCounts& counts() const noexcept { return loop_.guard().counts(); }
 
 private:
     [[nodiscard]] Place place_of(const glm::dvec3& hand, const glm::dvec3& stylus,
@@ -120,11 +107,7 @@ private:
         return Place::on_map;
     }
 
-    hfh::Workspace<Scalar> workspace_;
-    hfh::ProxyTracker<Field> tracker_;
-    hfh::VirtualCoupling coupling_;
-    hfh::ForceGuard guard_;
-    hfh::ForceEvaluator<Scalar> force_;
+    hfh::HapticLoop<Field> loop_;
     hfh::Lattice lattice_;
     Bounds bounds_;
     hfh::TripleBuffer<Shown> shown_{};

@@ -53,27 +53,34 @@ double aim_depth(double stiffness) noexcept { return 1 / hfh::HandGrip{}.stiffne
 DeviceInHand::DeviceInHand(const hfh::DeviceModel& model, const hfh::WorkspaceFrame& frame, double stiffness,
                            std::vector<StylusSample> wanted)
     : path_{std::move(wanted)}, workspace_{frame}, device_{model, {}, Wanted{&path_, &workspace_, &lift_}, 0},
-      guard_{limits_of(model.capabilities, stiffness)} {
+      stiffness_{stiffness}, limits_{limits_of(model.capabilities, stiffness)} {
     if (!(seconds_in(path_) <= longest)) {
         throw BadInput{"The path takes " + rounded(seconds_in(path_)) +
                        " s, but with a device it may take a day at the most."};
     }
 }
 
-std::optional<StylusSample> DeviceInHand::next() {
+hfh::HapticLoopOptions DeviceInHand::loop() const noexcept {
+    // The spring as it is, so that the record shows what the terrain gives back: without the damper of a coupling.
+    return {.workspace = workspace_.frame(),
+            .material = {.stiffness = stiffness_},
+            .limits = limits_,
+            .tracker = {},
+            .lag = 0};
+}
+
+std::optional<StylusStep> DeviceInHand::next() {
     if (started_) device_.step(newtons_);
     started_ = true;
     const auto sample = device_.sample();
     // Half an update: times are multiples of the period but for rounding.
     if (sample.time > seconds_in(path_) + 0.5 * device_.period()) return std::nullopt;
-    return StylusSample{path_.front().t + sample.time, workspace_.update(sample.position)};
+    return StylusStep{path_.front().t + sample.time, sample};
 }
 
-hfh::GuardedForce DeviceInHand::feel(const glm::dvec3& newtons, bool buried) noexcept {
-    const auto guarded = guard_.update(device_.sample(), workspace_.force_at_hand(newtons), buried);
-    newtons_ = guarded.newtons;
+void DeviceInHand::feel(const glm::dvec3& newtons, bool buried) noexcept {
+    newtons_ = newtons;
     lift_ = std::max(0.0, lift_ + (buried ? lifting : -lifting) * device_.period());
-    return guarded;
 }
 
 double DeviceInHand::progress() const noexcept {

@@ -4,8 +4,8 @@
 #include "ground.hpp"
 #include "stylus_path.hpp"
 
-#include <hfh/device/force_guard.hpp>
 #include <hfh/device/workspace.hpp>
+#include <hfh/loop/haptic_loop.hpp>
 #include <hfh/simulation/simulated_device.hpp>
 
 #include <vector>
@@ -22,8 +22,7 @@ namespace demo {
 [[nodiscard]] double aim_depth(double stiffness) noexcept;
 
 /// A simulated device in a hand that wants to go along a path: where the stylus gets is up to the hand, the device and
-/// the forces, which go through a guard, as they have to where the motors are real. (A real device may refuse a force as
-/// well and say so, which the tracker has to hear of: examples/phantom/scene.hpp.)
+/// the forces of an `hfh::HapticLoop` with `loop()` for options.
 ///
 /// A hand that lost contact at a hole may come below the surface behind it, where it feels nothing. It moves up
 /// there until it is out, as a person would, and lands again.
@@ -36,14 +35,17 @@ public:
     DeviceInHand(const DeviceInHand&) = delete;
     DeviceInHand& operator=(const DeviceInHand&) = delete;
 
-    /// Where the stylus is, in the terrain, an update after the last call; nothing once the path is at its end.
-    [[nodiscard]] std::optional<StylusSample> next();
-    /// What the terrain asks for at the sample that `next` gave last, in newtons there; gives what the hand feels until
-    /// the next. `buried`: the contact's status; lifts the hand.
-    hfh::GuardedForce feel(const glm::dvec3& newtons, bool buried) noexcept;
+    /// Workspace, stiffness and limits of the device, for a scene whose ground it is that the hand feels.
+    [[nodiscard]] hfh::HapticLoopOptions loop() const noexcept;
+
+    /// What the device tells, an update after the last call; nothing once the path is at its end.
+    [[nodiscard]] std::optional<StylusStep> next();
+    /// What the hand feels from the sample that `next` gave last until the next one, in newtons. `buried`: the contact's
+    /// status; lifts the hand.
+    void feel(const glm::dvec3& newtons, bool buried) noexcept;
 
     [[nodiscard]] const hfh::Workspace<double>& workspace() const noexcept { return workspace_; }
-    [[nodiscard]] const hfh::ForceGuard& guard() const noexcept { return guard_; }
+    [[nodiscard]] const hfh::GuardLimits& limits() const noexcept { return limits_; }
     [[nodiscard]] double progress() const noexcept;
 
 private:
@@ -59,7 +61,8 @@ private:
     hfh::Workspace<double> workspace_;
     double lift_ = 0; ///< how far above its path the hand wants to be, in its metres
     hfh::SimulatedDevice<Wanted> device_;
-    hfh::ForceGuard guard_;
+    double stiffness_; ///< N/m in the hand
+    hfh::GuardLimits limits_;
     glm::dvec3 newtons_{0.0}; ///< at the hand
     bool started_ = false;
 };

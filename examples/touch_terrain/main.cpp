@@ -50,7 +50,6 @@ void put_in_hand(const Options& options, const Ground& ground, std::optional<Sty
     const hfh::WorkspaceFrame frame = fit(model, ground, wanted, room);
     if (!file) wanted = built_in_stroke(ground, depth * frame.scale);
     device.emplace(model, frame, setup.stiffness, std::move(wanted));
-    setup.terrain_stiffness = device->workspace().terrain_stiffness(setup.stiffness);
 }
 
 void run(const Options& options) {
@@ -68,19 +67,25 @@ void run(const Options& options) {
     if (options.device == DeviceChoice::none) {
         if (!file) stroke = built_in_stroke(ground, stroke_depth(ground));
         setup.stiffness = options.stiffness.value_or(default_stiffness(ground));
-        setup.terrain_stiffness = setup.stiffness;
     } else {
         put_in_hand(options, ground, file, device, setup);
     }
-    const StylusSource path = [&]() -> std::optional<StylusSample> {
-        if (device) return device->next();
+    const auto next_on_rails = [&]() -> std::optional<StylusSample> {
         if (file) return file->next();
         return at < stroke.size() ? std::optional{stroke[at++]} : std::nullopt;
     };
-    // A stylus on rails is in nobody's hand: no force moves it, none can hurt, and its path may be of any speed.
-    const ForceSink feel = [&](const glm::dvec3& newtons, bool buried) {
-        return device ? device->feel(newtons, buried) : hfh::GuardedForce{newtons};
+    const StepSource path = [&]() -> std::optional<StylusStep> {
+        if (device) return device->next();
+        const auto sample = next_on_rails();
+        if (!sample) return std::nullopt;
+        return StylusStep{sample->t, {.time = sample->t, .position = sample->position}};
     };
+    const ForceSink feel = [&](const glm::dvec3& newtons, bool buried) {
+        if (device) device->feel(newtons, buried);
+    };
+    Feeling feeling{.loop = {.material = {.stiffness = setup.stiffness}, .tracker = {}, .lag = 0},
+                    .guarded = false};
+    if (device) feeling = {device->loop(), true};
     const auto done = [&] {
         return device ? device->progress()
                : file ? file->progress()
@@ -103,7 +108,7 @@ void run(const Options& options) {
             progress.show(++updates, done());
         };
         const auto session = options.in_float ? touch_terrain<float> : touch_terrain<double>;
-        summary = session(terrain, frame, setup.terrain_stiffness, path, feel, on_touch);
+        summary = session(terrain, frame, feeling, path, feel, on_touch);
     }
 
     if (record) record->finish();

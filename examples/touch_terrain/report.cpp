@@ -13,17 +13,17 @@ double percent(std::uint64_t updates, const Summary& summary) {
 }
 
 /// The limits of a guard and how often they acted, and how often which cause tripped it.
-std::string describe(const hfh::ForceGuard& guard) {
+std::string describe(const hfh::GuardCounts& counts, const hfh::GuardLimits& limits) {
     std::string trips;
     for (int k = 1; k < hfh::guard_trip_count; ++k) {
-        const unsigned times = guard.counts().trips[k];
+        const unsigned times = counts.trips[k];
         if (times == 0) continue;
         trips += trips.empty() ? "trips: " : ", ";
         trips.append(to_string(static_cast<hfh::GuardTrip>(k))).append(" ").append(grouped(times));
     }
-    return "clamped " + grouped(guard.counts().clamped) + " updates to " + rounded(guard.limits().max_force) +
-           " N, slewed " + grouped(guard.counts().slewed) + " to " + rounded(guard.limits().max_slew) +
-           " N/ms, held back " + grouped(guard.counts().held_back) + "; " +
+    return "clamped " + grouped(counts.clamped) + " updates to " + rounded(limits.max_force) + " N, slewed " +
+           grouped(counts.slewed) + " to " + rounded(limits.max_slew) + " N/ms, held back " +
+           grouped(counts.held_back) + "; " +
            (trips.empty() ? "no trips" : trips + " (see hfh/device/force_guard.hpp)");
 }
 
@@ -77,7 +77,7 @@ std::string report(const Summary& summary, const std::string& scalar, const Setu
     if (device) {
         out += line("device", setup.device + ", simulated, in a hand; 1 mm there is " +
                                   rounded(1e-3 * device->workspace().frame().scale) + " m of terrain");
-        out += line("guard", describe(device->guard()));
+        out += line("guard", describe(summary.guard, device->limits()));
     }
     out += line("updates", grouped(summary.updates) + " in " + scalar);
     out += line("in contact", one_decimal(percent(summary.in_contact, summary)) + " %");

@@ -18,9 +18,8 @@ namespace demo {
 
 /// What the stylus is held by: nothing, or a simulated device.
 struct Setup {
-    double stiffness = 0;         ///< N/m in the hand; without a device, of terrain
-    double terrain_stiffness = 0; ///< N per metre of terrain
-    std::string device;           ///< empty: none
+    double stiffness = 0; ///< N/m in the hand; without a device, of terrain
+    std::string device;   ///< empty: none
 };
 
 /// The line below a picture's title.

@@ -6,12 +6,13 @@
 #include "terrain.hpp"
 #include "touch.hpp"
 
-#include <hfh/device/force_guard.hpp>
+#include <hfh/loop/haptic_loop.hpp>
 #include <hfh/terrain/bilinear_grid.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 namespace demo {
 
@@ -22,18 +23,29 @@ struct Summary {
     std::uint64_t refused = 0;   ///< positions with status bad_input
     double largest_force = 0;    ///< N, as felt
     Distribution patches;        ///< looked at, per update
-    Distribution nanoseconds;    ///< per update, tracker and force together
+    Distribution nanoseconds;    ///< per update, from the sample to the force
     std::size_t state_bytes = 0; ///< what the tracker remembers from update to update
+    hfh::GuardCounts guard;      ///< what the guard did
 };
 
-/// Takes the force that the terrain asks for, in N there, and whether the stylus is buried; gives what is felt of it.
-using ForceSink = std::function<hfh::GuardedForce(const glm::dvec3& newtons, bool buried)>;
+/// What holds the stylus: one step a call, then nothing.
+using StepSource = std::function<std::optional<StylusStep>()>;
+/// Takes the force that is felt, in N at the hand, and whether the stylus is buried.
+using ForceSink = std::function<void(const glm::dvec3& newtons, bool buried)>;
 
-/// Moves the stylus along `path` over the terrain, one update a sample, and hands the force to `feel` and every touch to
-/// `on_touch` before it asks for the next sample. `stiffness`: N per metre of terrain.
+/// How the stylus feels the terrain.
+struct Feeling {
+    hfh::HapticLoopOptions loop{};
+    /// False: the stylus is in nobody's hand and feels what the terrain asks for, whatever a guard says. No force moves it,
+    /// none can hurt, and its path may be of any speed.
+    bool guarded = true;
+};
+
+/// Moves the stylus along `path` over the terrain, one update a step, and hands the force to `feel` and every touch to
+/// `on_touch` before it asks for the next step.
 template <hfh::Real T>
-Summary touch_terrain(const Terrain& terrain, const hfh::GridFrame& frame, double stiffness,
-                      const StylusSource& path, const ForceSink& feel,
+Summary touch_terrain(const Terrain& terrain, const hfh::GridFrame& frame, const Feeling& feeling,
+                      const StepSource& path, const ForceSink& feel,
                       const std::function<void(const Touch&)>& on_touch);
 
 } // namespace demo

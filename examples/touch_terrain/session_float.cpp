@@ -3,11 +3,11 @@
 namespace demo {
 
 template <>
-Summary touch_terrain<float>(const Terrain& terrain, const hfh::GridFrame& frame, double stiffness,
-                             const StylusSource& path, const ForceSink& feel,
+Summary touch_terrain<float>(const Terrain& terrain, const hfh::GridFrame& frame, const Feeling& feeling,
+                             const StepSource& path, const ForceSink& feel,
                              const std::function<void(const Touch&)>& on_touch) {
     return std::visit(
-        [&](const auto& heights) { return follow<float>(heights, frame, stiffness, path, feel, on_touch); },
+        [&](const auto& heights) { return follow<float>(heights, frame, feeling, path, feel, on_touch); },
         terrain.heights);
 }
 

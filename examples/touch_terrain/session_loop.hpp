@@ -29,8 +29,8 @@ namespace demo {
 
 /// The session for one type of sample.
 template <hfh::Real T, class HeightSource>
-Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double stiffness,
-               const StylusSource& path, const ForceSink& feel,
+Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, const Feeling& feeling,
+               const StepSource& path, const ForceSink& feel,
                const std::function<void(const Touch&)>& on_touch) {
     using Clock = std::chrono::steady_clock;
 
@@ -40,23 +40,21 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double 
                        ": its spacing of " + rounded(frame.spacing.x) + " x " + rounded(frame.spacing.y) +
                        " m or its height scale of " + rounded(frame.height_scale) + " is out of range."};
     }
-    hfh::ProxyTracker tracker{grid};
-    const hfh::ForceEvaluator<T> force{.stiffness = static_cast<T>(stiffness)};
+    hfh::HapticLoop loop{grid, feeling.loop};
 
     Summary summary;
-    summary.state_bytes = sizeof(tracker.state());
-    while (const auto sample = path()) {
-        const hfh::vec3<T> stylus{sample->position};
-
+    summary.state_bytes = sizeof(loop.tracker().state());
+    while (const auto step = path()) {
         const auto start = Clock::now();
-        const hfh::Contact<T> contact = tracker.update(stylus);
-        const hfh::Force<T> asked = force(contact);
+        const hfh::DeviceCommand command = loop.update(step->sample);
         const auto stop = Clock::now();
 
+        const hfh::Contact<T>& contact = loop.contact();
         const bool buried = contact.status == hfh::ContactStatus::buried;
-        const hfh::GuardedForce felt = feel(asked.newtons, buried);
-        const Touch touch{.t = sample->t,
-                          .stylus = stylus,
+        const hfh::GuardedForce felt = feeling.guarded ? loop.force() : hfh::GuardedForce{loop.asked()};
+        feel(command.newtons, buried);
+        const Touch touch{.t = step->t,
+                          .stylus = loop.stylus(),
                           .contact = contact.touching(),
                           .proxy = contact.proxy,
                           .normal = contact.normal,
@@ -73,6 +71,7 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, double 
         summary.nanoseconds.add(static_cast<std::uint64_t>((stop - start) / std::chrono::nanoseconds{1}));
         on_touch(touch);
     }
+    summary.guard = loop.guard().counts();
     return summary;
 }
 

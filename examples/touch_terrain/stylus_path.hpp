@@ -1,12 +1,11 @@
 #ifndef TOUCH_TERRAIN_STYLUS_PATH_HPP
 #define TOUCH_TERRAIN_STYLUS_PATH_HPP
 
-#include <glm/ext/vector_double3.hpp>
+#include <hfh/device/device.hpp>
 
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -18,8 +17,11 @@ struct StylusSample {
     glm::dvec3 position{0.0};
 };
 
-/// Gives one sample a call, then nothing.
-using StylusSource = std::function<std::optional<StylusSample>()>;
+/// The same as a device tells it: `t` is the path's time, the sample's may begin elsewhere.
+struct StylusStep {
+    double t = 0;
+    hfh::DeviceSample sample{};
+};
 
 /// A path from a text file, header `t,x,y,z`, one row per update, read as it is needed.
 class StylusPathFile {

@@ -10,9 +10,9 @@ namespace {
 /// After so long without anything new to show, what is there is shown.
 constexpr std::chrono::milliseconds patience{25};
 
-int coarsest_level(const DisplayedTerrain& terrain, int n) noexcept {
+int coarsest_level(const DisplayedTerrain& terrain, int n, int coarsest_felt) noexcept {
     const hfh::Index longest = std::max(terrain.columns, terrain.rows) - 1;
-    int level = 0;
+    int level = coarsest_felt;
     // The middle may be anywhere on the terrain, and is up to two cells off the middle of the window.
     while (hfh::Index{(n - 1) / 2 - 2} << level < longest) ++level;
     return level;
@@ -39,8 +39,8 @@ std::optional<float> LoadedLevels::height_near(const glm::dvec2& at, int n) cons
     return std::nullopt;
 }
 
-LevelLoader::LevelLoader(const DisplayedTerrain& terrain, int n)
-    : terrain_{&terrain}, n_{n}, coarsest_{coarsest_level(terrain, n)} {
+LevelLoader::LevelLoader(const DisplayedTerrain& terrain, int n, int coarsest_felt)
+    : terrain_{&terrain}, n_{n}, coarsest_{coarsest_level(terrain, n, coarsest_felt)} {
     for (int level = 0; level <= coarsest_; ++level) windows_.emplace_back(terrain, level, n);
     loaded_.resize(windows_.size());
     thread_ = std::thread{[this] { run(); }};

@@ -45,8 +45,8 @@ struct LevelRequest {
 /// here and nowhere else.
 class LevelLoader {
 public:
-    /// `terrain` must outlive it. n: vertices along a side of a window, 4·m − 1.
-    LevelLoader(const DisplayedTerrain& terrain, int n);
+    /// `terrain` must outlive it. n: vertices along a side of a window, 4·m − 1. `coarsest_felt`: the coarsest level of the hand.
+    LevelLoader(const DisplayedTerrain& terrain, int n, int coarsest_felt);
     ~LevelLoader();
     LevelLoader(const LevelLoader&) = delete;
     LevelLoader& operator=(const LevelLoader&) = delete;
@@ -58,7 +58,7 @@ public:
     /// Waits until the last request has been met.
     void wait() const;
 
-    /// The coarsest level: the first one whose window holds all of the terrain.
+    /// The coarsest level: the first one whose window holds all of the terrain, or the coarsest that the hand can feel.
     [[nodiscard]] int coarsest() const noexcept { return coarsest_; }
     [[nodiscard]] int n() const noexcept { return n_; }
 

@@ -110,17 +110,25 @@ std::vector<LevelVertex> LevelWindow::vertices() const {
         const float whole = step(places, a - 1, a + 1);
         return whole > 0 ? step(places, a - 1, a) / whole : 0.5f;
     };
+    // Whether the coarser level does not reach to a vertex between others of it, because the terrain ends before.
+    const auto is_cut = [&](hfh::Index vertex, hfh::Index count) {
+        const hfh::Index samples = hfh::Index{1} << level_;
+        return vertex % 2 != 0 && vertex * samples < count && (vertex + 1) * samples >= count;
+    };
     for (int b = 0; b < n_; ++b) {
-        const bool odd_b = b % 2 != 0;
+        const bool odd_b = b % 2 != 0, cut_b = is_cut(origin_.j + b, terrain_->rows);
         for (int a = 0; a < n_; ++a) {
             const bool odd_a = a % 2 != 0;
             LevelVertex& v = vertices[static_cast<std::size_t>(b * n_ + a)];
             const float z = at(a, b);
             v.height = std::isnan(z) ? 0.0f : z;
             v.coarse_height = v.height;
-            // Halfway, but in a cell at the border that is narrower than others.
+            // Halfway, but beyond the border where all vertices lie on it. A vertex that the coarser level does not reach keeps
+            // its height, as in `hfh::BlendedField`.
             const float tx = share(x, a), ty = share(y, b);
-            if (odd_a && odd_b)
+            if (cut_b || is_cut(origin_.i + a, terrain_->columns))
+                v.coarse_height = v.height;
+            else if (odd_a && odd_b)
                 v.coarse_height =
                     between(v.height, at(a - 1, b - 1) + tx * (at(a + 1, b - 1) - at(a - 1, b - 1)),
                             at(a - 1, b + 1) + tx * (at(a + 1, b + 1) - at(a - 1, b + 1)), ty);

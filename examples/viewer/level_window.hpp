@@ -39,7 +39,8 @@ struct DisplayedTerrain {
 /// did not hold before is read.
 ///
 /// Vertex (a, b) of the window is sample ((origin + (a, b))·2^level), brought to the nearest one of the terrain: what is
-/// beyond its border lies on it, and the last cell may be narrower than the others.
+/// beyond its border lies on it, and the last cell may be narrower than the others. (That one is not felt where the level is the
+/// hand's, and then not drawn.)
 class LevelWindow {
 public:
     LevelWindow(const DisplayedTerrain& terrain, int level, int n);

@@ -127,6 +127,9 @@ void TerrainDrawer::set_uniforms(const LoadedLevels& levels, const TerrainView& 
     program_.set("n", n_);
     program_.set("last",
                  glm::ivec2{static_cast<int>(terrain_->columns - 1), static_cast<int>(terrain_->rows - 1)});
+    const int felt = levels.levels[innermost(levels, view.level)]->level;
+    program_.set("last_felt", glm::ivec2{static_cast<int>((terrain_->columns - 1) >> felt << felt),
+                                         static_cast<int>((terrain_->rows - 1) >> felt << felt)});
     const hfh::Cell reference{static_cast<hfh::Index>(levels.place.x),
                               static_cast<hfh::Index>(levels.place.y)};
     program_.set("reference", glm::ivec2{static_cast<int>(reference.i), static_cast<int>(reference.j)});
@@ -197,6 +200,8 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
     glDisable(GL_BLEND);
     set_uniforms(levels, view, size);
 
+    glEnable(GL_CLIP_DISTANCE0);
+    glEnable(GL_CLIP_DISTANCE1);
     hfh::Cell finer{};
     for (std::size_t k = first_level; k < levels.levels.size(); ++k) {
         const LoadedLevel& level = *levels.levels[k];
@@ -222,6 +227,8 @@ DrawnTerrain TerrainDrawer::draw(const LoadedLevels& levels, const TerrainView& 
                     view, size, drawn);
         finer = level.origin;
     }
+    glDisable(GL_CLIP_DISTANCE0);
+    glDisable(GL_CLIP_DISTANCE1);
     glBindVertexArray(0);
     return drawn;
 }

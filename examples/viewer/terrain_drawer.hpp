@@ -43,7 +43,8 @@ struct DrawnTerrain {
 ///
 /// A vertex lies at (1 − α)·(height at its level) + α·(height at the next coarser level). In the middle of the innermost window
 /// α is the fraction of the hand's level; towards the border of every window it rises to 1, so that the windows join. These are
-/// the patches that the hand feels, each drawn as two triangles.
+/// the patches that the hand feels, each drawn as two triangles. Where the terrain is not a whole number of the hand's cells wide,
+/// the rest is neither felt nor drawn.
 class TerrainDrawer {
 public:
     TerrainDrawer(const DisplayedTerrain& terrain, int n);

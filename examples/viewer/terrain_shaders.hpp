@@ -10,6 +10,7 @@ uniform int n;
 uniform ivec2 origin;                      // of the window, in vertices of its level
 uniform int level;
 uniform ivec2 last;                        // sample
+uniform ivec2 last_felt;                   // sample: the hand's level reaches so far
 uniform ivec2 reference;                   // sample near the middle of the picture
 uniform vec2 spacing;                      // m
 uniform vec3 reference_at_hand;            // m at the hand
@@ -22,6 +23,7 @@ out float height;
 out vec2 slope;
 out vec2 cell;
 flat out float exists;
+out float gl_ClipDistance[2];
 
 void main() {
     ivec2 vertex = ivec2(gl_VertexID % n, gl_VertexID / n);
@@ -35,6 +37,8 @@ void main() {
     cell = vec2(vertex);
     vec3 place = vec3(vec2(at - reference) * spacing, height) * to_hand + reference_at_hand;
     gl_Position = matrix * vec4(place, 1.0);
+    gl_ClipDistance[0] = float(last_felt.x - at.x);
+    gl_ClipDistance[1] = float(last_felt.y - at.y);
 }
 )";
 

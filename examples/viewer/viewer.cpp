@@ -28,8 +28,8 @@ double contour_interval(double scale, double steepness, bool feet) noexcept {
 } // namespace
 
 Viewer::Viewer(TouchedTerrain& touched, int n, float pixels)
-    : touched_{&touched},
-      displayed_{&touched.displayed}, haptics_{&touched.haptics}, loader_{touched.displayed, n},
+    : touched_{&touched}, displayed_{&touched.displayed}, haptics_{&touched.haptics},
+      loader_{touched.displayed, n, static_cast<int>(touched.ground->coarsest_level())},
       terrain_drawer_{touched.displayed, n}, layer_{pixels}, renderer_{renderer_name()} {
     settings_.feel.stiffness = haptics_->default_stiffness();
     settings_.save_as = std::filesystem::path{touched.terrain.name}.stem().string() + "_edited.flt";

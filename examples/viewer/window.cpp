@@ -22,6 +22,21 @@ bool is_button_down(GLFWwindow* window, int button) {
     return glfwGetMouseButton(window, button) == GLFW_PRESS;
 }
 
+/// Dear ImGui counts in pixels of the framebuffer, as all that is drawn here does. Its backend counts in those of the window,
+/// which are fewer on some high-DPI screens. `scale`: framebuffer by window.
+void count_in_framebuffer(const glm::ivec2& framebuffer, const glm::vec2& scale) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {static_cast<float>(framebuffer.x), static_cast<float>(framebuffer.y)};
+    io.DisplayFramebufferScale = {1, 1};
+    if (scale == glm::vec2{1.0f} || !ImGui::IsMousePosValid()) return;
+#if IMGUI_VERSION_NUM >= 18700
+    const ImVec2 at = ImGui::GetMousePos();
+    io.AddMousePosEvent(at.x * scale.x, at.y * scale.y);
+#else
+    io.MousePos = {io.MousePos.x * scale.x, io.MousePos.y * scale.y};
+#endif
+}
+
 } // namespace
 
 struct Window::State {
@@ -111,6 +126,7 @@ Window::~Window() {
 
 glm::ivec2 Window::size() const {
     glm::ivec2 size{0};
+    if (glfwGetWindowAttrib(state_->window, GLFW_ICONIFIED) == GLFW_TRUE) return size;
     glfwGetFramebufferSize(state_->window, &size.x, &size.y);
     return size;
 }
@@ -136,8 +152,6 @@ Window::LayerInput::~LayerInput() {
 
 FrameInput Window::begin_frame(Viewer& viewer) {
     glfwPollEvents();
-    ImGui_ImplGlfw_NewFrame();
-    viewer.layer().begin();
     GLFWwindow* const window = state_->window;
     FrameInput input = std::exchange(state_->input, {});
     const double now = glfwGetTime(), seconds = std::min(0.1, now - std::exchange(state_->last_time, now));
@@ -146,12 +160,18 @@ FrameInput Window::begin_frame(Viewer& viewer) {
     glm::ivec2 window_size{1};
     glfwGetCursorPos(window, &at.x, &at.y);
     glfwGetWindowSize(window, &window_size.x, &window_size.y);
-    at *= glm::dvec2{size()} / glm::dvec2{glm::max(window_size, 1)};
+    const glm::ivec2 framebuffer = glm::max(size(), 1);
+    const glm::dvec2 scale = glm::dvec2{framebuffer} / glm::dvec2{glm::max(window_size, 1)};
+    at *= scale;
+    ImGui_ImplGlfw_NewFrame();
+    count_in_framebuffer(framebuffer, glm::vec2{scale});
+    viewer.layer().begin();
     const glm::dvec2 moved = at - std::exchange(state_->pointer, at);
     const bool focused = glfwGetWindowAttrib(window, GLFW_FOCUSED) == GLFW_TRUE;
     const bool shift = is_down(window, GLFW_KEY_LEFT_SHIFT) || is_down(window, GLFW_KEY_RIGHT_SHIFT);
     const bool middle = is_button_down(window, GLFW_MOUSE_BUTTON_MIDDLE);
-    if (state_->dragging) (shift || middle ? input.pan : input.turn) += moved;
+    if (state_->dragging && (shift || middle)) input.pan += moved;
+    if (state_->dragging && !shift && !middle) input.turn += moved / static_cast<double>(pixels());
     input.pointer = at;
     input.has_pointer = focused && !state_->dragging &&
                         glfwGetWindowAttrib(window, GLFW_HOVERED) == GLFW_TRUE &&

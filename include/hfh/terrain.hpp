@@ -5,6 +5,7 @@
 
 #include <hfh/terrain/bilinear_grid.hpp>
 #include <hfh/terrain/blended_field.hpp>
+#include <hfh/terrain/bridged_field.hpp>
 #include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/height_field.hpp>

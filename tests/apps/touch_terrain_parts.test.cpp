@@ -159,11 +159,14 @@ TEST_CASE("touch_terrain device: holds what its guard lets through, and no more"
     const std::vector<demo::StylusSample> rest{{0, {500, 250, 100}}, {1, {500, 250, 100}}};
     const auto after = [&](double seconds, bool buried) {
         demo::DeviceInHand device{hfh::simulated_touch, {.scale = 10, .offset = {500, 250, 100}}, 500, rest};
+        hfh::ForceGuard guard{device.loop().limits};
+        hfh::Workspace<double> workspace{device.loop().workspace};
         demo::StylusSample sample;
         while (const auto next = device.next()) {
-            sample = *next;
+            sample = {next->t, workspace.update(next->sample.position)};
             if (sample.t > seconds) break;
-            const auto felt = device.feel({0, 0, 1e6}, buried);
+            const auto felt = guard.update(next->sample, workspace.force_at_hand({0, 0, 1e6}), buried);
+            device.feel(felt.newtons, buried);
             CHECK(felt.newtons.z <= 3.3 * std::min(1.0, sample.t / 0.5) * (1 + 1e-9));
             CHECK((felt.trip == hfh::GuardTrip::buried) == buried);
             CHECK((!buried || felt.newtons == glm::dvec3{0.0}));
@@ -186,11 +189,12 @@ TEST_CASE("touch_terrain device: below the surface the hand moves up until it is
         0.26 / 300 + 0.1 * 4 / 300; // m: friction against the grip, and its damping at 0.1 m/s
     double out = 0, highest = 0, last = 0;
     while (const auto next = device.next()) {
-        CHECK(next->position.x == 500);
-        last = (next->position.z - 100) / 10; // metres in the hand
+        const glm::dvec3 position = device.workspace().to_terrain(next->sample.position);
+        CHECK(position.x == 500);
+        last = (position.z - 100) / 10; // metres in the hand
         highest = std::max(highest, last);
         if (out == 0 && last > 0.004) out = next->t;
-        (void)device.feel({0, 0, 0}, out == 0);
+        device.feel({0, 0, 0}, out == 0);
     }
     CHECK(out > 0.004 / 0.1);
     CHECK(out < (0.004 + 2 * lag) / 0.1);

@@ -95,8 +95,8 @@ constexpr double rounding = 2000 * static_cast<double>(epsilon<T>);
 
 } // namespace
 
-TEMPLATE_TEST_CASE("change_level: a point keeps its place in cells of any size", "[level_change][law]", float,
-                   double) {
+TEMPLATE_TEST_CASE("change_level: a point keeps its place in cells of any size", "[level_change][law][ieee]",
+                   float, double) {
     using T = TestType;
     Random random{201};
     for (int n = 0; n < 20000; ++n) {
@@ -172,8 +172,8 @@ TEMPLATE_TEST_CASE("change_level: a contact keeps its place and gets the new hei
     }
 }
 
-TEMPLATE_TEST_CASE("change_level: the level that is set already changes nothing", "[level_change]", float,
-                   double) {
+TEMPLATE_TEST_CASE("change_level: the level that is set already changes nothing", "[level_change][ieee]",
+                   float, double) {
     using T = TestType;
     Random random{203};
     for (int n = 0; n < 50; ++n) {
@@ -338,7 +338,7 @@ TEMPLATE_TEST_CASE("change_level: the shaded force does not jump at a whole leve
 }
 
 TEMPLATE_TEST_CASE("change_level: shaded slopes are continuous over edges and right on every level",
-                   "[level_change][force_shading][law]", float, double) {
+                   "[level_change][force_shading][law][ieee]", float, double) {
     using T = TestType;
     Random random{207};
     for (int n = 0; n < 40; ++n) {
@@ -491,7 +491,8 @@ TEMPLATE_TEST_CASE("change_level: a contact ends where the level has no ground",
     CHECK(at_rim.update({T(5.5), T(5), T(0.5)}).status == ContactStatus::left_at_hole);
 }
 
-TEMPLATE_TEST_CASE("change_level: works through a field around the levels", "[level_change]", float, double) {
+TEMPLATE_TEST_CASE("change_level: works through a field around the levels", "[level_change][ieee]", float,
+                   double) {
     using T = TestType;
     Random random{210};
     const Ground<T> ground{3};

@@ -4,9 +4,7 @@
 #include <hfh/hfh.hpp>
 
 #include <hfh/device/device.hpp>
-#include <hfh/device/force_guard.hpp>
-#include <hfh/device/workspace.hpp>
-#include <hfh/force/virtual_coupling.hpp>
+#include <hfh/loop/haptic_loop.hpp>
 #include <hfh/simulation/simulated_device.hpp>
 
 #include <cmath>
@@ -73,26 +71,15 @@ const glm::dvec3 middle{320, 320, 100};
 /// What README's loop makes of it.
 void run_as_readme(WatchedTouch& device, hfh::GuardCounts& counts) {
     // clang-format off
-const double stiffness = 400;                                                      // N/m, felt at the hand
-const double lag = 0.5;                              // updates; each update of delay in the device adds 1
-hfh::Workspace<double> workspace{{.scale = 4000, .offset = middle}};               // 16 cm of hand, 640 m of terrain
-hfh::ProxyTracker tracker{grid, {.max_contact_patches = 8}};                       // no long slides of the proxy
-hfh::ForceEvaluator<double> force{.stiffness = workspace.terrain_stiffness(stiffness)};
-hfh::VirtualCoupling coupling{{.stiffness = stiffness, .lag = lag}};               // the damper that a late force needs
-hfh::GuardLimits limits = hfh::guard_limits(device.capabilities());                // N, N/ms, s
-limits.stiffness = (1 + 1.5 * lag) * stiffness;                                    // spring and damper together
-hfh::ForceGuard guard{limits};
+const double stiffness = 400;                        // N/m, felt at the hand
+hfh::HapticLoop loop{grid, {.workspace = {.scale = 4000, .offset = middle},        // 16 cm of hand, 640 m of terrain
+                            .material = {.stiffness = stiffness},
+                            .limits = hfh::guard_limits(device.capabilities(), stiffness)}};
 
-const auto end = device.run([&](const hfh::DeviceSample& sample) -> hfh::DeviceCommand {
-    if (sample.force_refused) tracker.reset();                                     // the device refused a force
-    const auto contact = tracker.update(workspace.update(sample.position));
-    const auto asked = workspace.force_at_hand(force(contact).newtons);
-    const bool buried = contact.status == hfh::ContactStatus::buried;
-    return {guard.update(sample, coupling(sample.position, asked).newtons, buried).newtons};
-});
+const auto end = device.run([&](const hfh::DeviceSample& sample) { return loop.update(sample); });
     // clang-format on
     CHECK(end == hfh::DeviceEnd::stopped);
-    counts = guard.counts();
+    counts = loop.guard().counts();
 }
 
 /// The spring alone, without any controller or guard.

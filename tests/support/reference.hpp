@@ -198,6 +198,9 @@ public:
     }
     [[nodiscard]] Wide dx() const { return static_cast<Wide>(terrain_->frame.spacing.x); }
     [[nodiscard]] Wide dy() const { return static_cast<Wide>(terrain_->frame.spacing.y); }
+    /// Whether there is a height at this sample, and what it is.
+    [[nodiscard]] bool has_sample(Index i, Index j) const { return has_height(i, j); }
+    [[nodiscard]] Wide sample_at(Index i, Index j) const { return sample(i, j); }
     /// World position in cells.
     [[nodiscard]] Wide column_of(Wide x) const {
         return (x - static_cast<Wide>(terrain_->frame.origin.x)) / dx();

@@ -505,3 +505,16 @@ TEMPLATE_TEST_CASE("bilinear_grid: no number is below anything, whichever corner
         }
     }
 }
+
+TEST_CASE("bilinear_grid: the scalar may be chosen without naming the type of the heights",
+          "[bilinear_grid]") {
+    const float metres[] = {1, 2, 3, 4};
+    const std::int16_t steps[] = {1, 2, 3, 4};
+    const GridFrame frame{.spacing = {10.0, 10.0}};
+    const hfh::BilinearGrid<float> of_floats{{metres, 2, 2}, frame};
+    const auto of_integers = hfh::make_grid<float>(hfh::HeightView{steps, 2, 2}, frame);
+    static_assert(
+        std::is_same_v<decltype(of_integers), const hfh::BilinearGrid<float, hfh::HeightView<std::int16_t>>>);
+    CHECK(of_floats.patch({0, 0})->p11 == 4);
+    CHECK(of_integers.patch({0, 0})->p11 == 4);
+}

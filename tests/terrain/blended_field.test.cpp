@@ -133,7 +133,7 @@ bool are_quarters(const A& fine, const B& coarse) {
         (Kind<double, std::int32_t>), (Kind<float, float>), (Kind<double, float>), (Kind<double, double>)
 
 TEMPLATE_TEST_CASE("BlendedField: every vertex is its height of level k blended with the mean of level k+1",
-                   "[blended_field][law]", HFH_TEST_KINDS) {
+                   "[blended_field][law][ieee]", HFH_TEST_KINDS) {
     using T = typename TestType::Scalar;
     using S = typename TestType::SampleType;
     Random random{181};
@@ -221,7 +221,7 @@ TEMPLATE_TEST_CASE("BlendedField: without holes it is (1 - alpha) S_k + alpha S_
 
 TEMPLATE_TEST_CASE(
     "BlendedField: alpha 0 is a grid over the level, alpha 1 the surface of the next, to the bit",
-    "[blended_field]", HFH_TEST_KINDS) {
+    "[blended_field][ieee]", HFH_TEST_KINDS) {
     using T = typename TestType::Scalar;
     using S = typename TestType::SampleType;
     Random random{183};
@@ -386,7 +386,7 @@ TEMPLATE_TEST_CASE("BoundedBlendedField: blocks hold their patches at every leve
     CHECK(bounded > 1000);
 }
 
-TEMPLATE_TEST_CASE("BlendedField: what is passed over changes no first hit", "[blended_field]", float,
+TEMPLATE_TEST_CASE("BlendedField: what is passed over changes no first hit", "[blended_field][ieee]", float,
                    double) {
     using T = TestType;
     Random random{186};
@@ -492,8 +492,8 @@ TEST_CASE("BlendedField: levels of a storage of one's own are those of its sampl
     }
 }
 
-TEMPLATE_TEST_CASE("BlendedField: overviews of one's own are blended as they are", "[blended_field][law]",
-                   float, double) {
+TEMPLATE_TEST_CASE("BlendedField: overviews of one's own are blended as they are",
+                   "[blended_field][law][ieee]", float, double) {
     using T = TestType;
     using View = HeightView<T>;
     Random random{188};

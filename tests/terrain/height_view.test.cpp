@@ -267,6 +267,23 @@ TEST_CASE("height_view: takes const and mutable storage and works in constant ex
     STATIC_REQUIRE(std::is_same_v<decltype(HeightView{edited.data(), 3, 2}), HeightView<int>>);
 }
 
+TEST_CASE(
+    "height_view: sizes and strides may be of any integer type, and one that is too large counts as none",
+    "[height_view]") {
+    const std::vector<float> samples{1, 2, 3, 4, 5, 6};
+    const std::size_t width = 3, height = samples.size() / width;
+    const hfh::HeightView view{samples.data(), width, height};
+    const hfh::HeightView strided{samples.data(), 3U, 2LL, std::size_t{1}, width, hfh::MissingValue{6.0f}};
+    CHECK(view.columns() == 3);
+    CHECK(view.rows() == 2);
+    CHECK(view(2, 1) == 6);
+    CHECK(strided(1, 1) == 5);
+    CHECK(strided.missing(strided(2, 1)));
+    const std::size_t too_many = static_cast<std::size_t>(-1);
+    CHECK(hfh::HeightView{samples.data(), too_many, height}.columns() == 0);
+    CHECK(hfh::HeightView{samples.data(), width, too_many}.rows() == 0);
+}
+
 TEST_CASE("height_view: any arithmetic type but bool is a sample", "[height_view]") {
     STATIC_REQUIRE(hfh::Sample<char>);
     STATIC_REQUIRE(hfh::Sample<std::int8_t>);

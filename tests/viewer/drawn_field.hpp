@@ -42,48 +42,54 @@ public:
         }
         return levels_->levels.back()->level;
     }
-    /// The drawn cell, as a patch, in which a cell of the finest level lies; none where it is cut by the terrain's border.
+    /// The drawn cell, as a patch, in which a cell of the finest level lies. At the far rims it may be narrower than others.
     [[nodiscard]] std::optional<hfh::BilinearPatch<double>> drawn_cell(hfh::Cell c) const noexcept {
-        const int level = level_at(c), by = level - finest_;
-        const hfh::Cell cell{c.i >> by, c.j >> by};
-        if (((cell.i + 1) << level) >= terrain_->columns || ((cell.j + 1) << level) >= terrain_->rows)
-            return std::nullopt;
+        const int level = level_at(c);
+        const hfh::Cell cell = cell_of(c, level);
         const double p00 = corner(level, cell.i, cell.j), p10 = corner(level, cell.i + 1, cell.j),
                      p01 = corner(level, cell.i, cell.j + 1), p11 = corner(level, cell.i + 1, cell.j + 1);
         if (std::isnan(p00 + p10 + p01 + p11)) return std::nullopt;
-        return hfh::BilinearPatch<double>{p00, p10, p01, p11, terrain_->spacing * std::exp2(level)};
+        const glm::dvec2 samples{place(cell.i + 1, level, terrain_->columns) - (cell.i << level),
+                                 place(cell.j + 1, level, terrain_->rows) - (cell.j << level)};
+        return hfh::BilinearPatch<double>{p00, p10, p01, p11, terrain_->spacing * samples};
     }
     [[nodiscard]] std::optional<hfh::BilinearPatch<double>> patch(hfh::Cell c) const noexcept {
         if (!cells_.contains(c)) return std::nullopt;
         const auto whole = drawn_cell(c);
-        if (!whole) return std::nullopt;
-        const int by = level_at(c) - finest_;
-        if (by == 0) return whole;
-        const double part = std::exp2(-by);
-        const double u = part * static_cast<double>(c.i - ((c.i >> by) << by)),
-                     v = part * static_cast<double>(c.j - ((c.j >> by) << by));
-        return hfh::BilinearPatch<double>{whole->height(u, v), whole->height(u + part, v),
-                                          whole->height(u, v + part), whole->height(u + part, v + part),
+        const int level = level_at(c);
+        if (!whole || level == finest_) return whole;
+        const hfh::Cell cell = cell_of(c, level);
+        const glm::dvec2 part = lattice_.spacing() / whole->spacing;
+        const double u = part.x * static_cast<double>(c.i - (cell.i << (level - finest_))),
+                     v = part.y * static_cast<double>(c.j - (cell.j << (level - finest_)));
+        return hfh::BilinearPatch<double>{whole->height(u, v), whole->height(u + part.x, v),
+                                          whole->height(u, v + part.y), whole->height(u + part.x, v + part.y),
                                           lattice_.spacing()};
-    }
-    /// Where a cell is cut by the border of the terrain, and so is drawn narrower than this field has it.
-    [[nodiscard]] bool is_at_border(hfh::Cell c) const noexcept {
-        const int level = level_at(c), by = level - finest_;
-        return (((c.i >> by) + 1) << level) >= terrain_->columns ||
-               (((c.j >> by) + 1) << level) >= terrain_->rows;
     }
 
 private:
+    [[nodiscard]] hfh::Cell cell_of(hfh::Cell finest, int level) const noexcept {
+        return {finest.i >> (level - finest_), finest.j >> (level - finest_)};
+    }
+    /// The sample that a vertex lies on: the last one for those beyond it.
+    [[nodiscard]] static hfh::Index place(hfh::Index vertex, int level, hfh::Index count) noexcept {
+        return std::min(vertex << level, count - 1);
+    }
     [[nodiscard]] double sample(int level, hfh::Index i, hfh::Index j) const {
-        i <<= level;
-        j <<= level;
-        if (i < 0 || j < 0 || i >= terrain_->columns || j >= terrain_->rows)
-            return std::numeric_limits<double>::quiet_NaN();
-        return terrain_->sample(i, j);
+        if (i < 0 || j < 0) return std::numeric_limits<double>::quiet_NaN();
+        return terrain_->sample(place(i, level, terrain_->columns), place(j, level, terrain_->rows));
     }
     [[nodiscard]] double corner(int level, hfh::Index i, hfh::Index j) const {
         const double fine = sample(level, i, j);
-        const hfh::Index di = i & 1, dj = j & 1;
+        // How far vertices of the coarser level are: none for those on one, and for those beyond the rim, which all lie on it.
+        const auto step = [&](hfh::Index vertex, hfh::Index count) {
+            return vertex << level < count ? vertex & 1 : 0;
+        };
+        const hfh::Index di = step(i, terrain_->columns), dj = step(j, terrain_->rows);
+        // The coarser level ends before the rim.
+        if ((di != 0 && (i + 1) << level >= terrain_->columns) ||
+            (dj != 0 && (j + 1) << level >= terrain_->rows))
+            return fine;
         const double coarse = (sample(level, i - di, j - dj) + sample(level, i + di, j - dj) +
                                sample(level, i - di, j + dj) + sample(level, i + di, j + dj)) /
                               4;

@@ -69,14 +69,10 @@ public:
             (twist / 4 * normal.z + pixel) / std::max(1e-6, std::abs(glm::dot(along, normal))) + rounding;
         return {true, distance, tolerance};
     }
-    /// Whether a pixel shows a cell that is cut by the border of the terrain, which the field does not have.
-    [[nodiscard]] bool is_at_border(int x, int y) const {
+    /// The point that was drawn at a pixel, in the terrain.
+    [[nodiscard]] glm::dvec3 drawn_point(int x, int y) const {
         const viewer::PointerRay ray = camera_.ray({x + 0.5, y + 0.5}, size_);
-        const glm::dvec3 point =
-            offset_ + scale_ * eye() + drawn_distance(x, y) * glm::normalize(ray.direction);
-        const hfh::Lattice lattice = field_.lattice();
-        return field_.is_at_border({static_cast<hfh::Index>(std::floor(lattice.u_of(point.x, 0))),
-                                    static_cast<hfh::Index>(std::floor(lattice.v_of(point.y, 0)))});
+        return offset_ + scale_ * eye() + drawn_distance(x, y) * glm::normalize(ray.direction);
     }
     /// Whether what was drawn at a pixel is what the ray through it meets, or one a pixel beside it: at an outline they
     /// differ.
@@ -115,7 +111,7 @@ void check_pixels(Stage& stage, int count) {
     int ground = 0, wrong = 0;
     for (int tries = 0; ground < count && tries < 20 * count; ++tries) {
         const int x = column(random), y = row(random);
-        if (!picture.is_ground(x, y) || picture.is_at_border(x, y)) continue;
+        if (!picture.is_ground(x, y)) continue;
         ++ground;
         if (picture.is_right(x, y)) continue;
         if (wrong++ == 0) {
@@ -140,10 +136,27 @@ void check_no_gaps(Stage& stage) {
     CHECK(gaps == 0);
 }
 
+/// Where ground is drawn it is felt: there is ground at the hand's level, a pixel to the inside.
+void check_all_felt(Stage& stage) {
+    const Picture picture{stage};
+    const glm::dvec2 middle{stage.touched.displayed.spacing *
+                            glm::dvec2{stage.touched.displayed.columns, stage.touched.displayed.rows} / 2.0};
+    const double pixel = 1.5 * stage.shown.camera().pixel_size(picture.size()) * stage.shown.view().scale;
+    int nowhere = 0;
+    for (int y = 0; y < picture.size().y; ++y) {
+        for (int x = 0; x < picture.size().x; ++x) {
+            if (!picture.is_ground(x, y)) continue;
+            const glm::dvec2 at{picture.drawn_point(x, y)}, inside = glm::clamp(middle - at, -pixel, pixel);
+            nowhere += std::isnan(stage.touched.ground->height(at + inside));
+        }
+    }
+    CHECK(nowhere == 0);
+}
+
 /// The markers are not ground: they are left out of the picture while depths are compared.
 void look(Stage& stage, const FrameInput& input) {
     stage.shown.hide_markers();
-    (void)stage.frames(2, input);
+    (void)stage.frames(4, input); // the level comes by then
 }
 
 } // namespace
@@ -180,6 +193,25 @@ TEST_CASE("windows of a large terrain join without gaps at any level and place",
         INFO("level " << level);
         check_no_gaps(stage);
         check_pixels(stage, 150);
+    }
+}
+
+TEST_CASE("the far rims are drawn where they are felt, at levels that do not fit the terrain", "[pixels]") {
+    const auto context = context_or_skip();
+    if (!context) return;
+    // The hand is near the far corner, or far from it.
+    for (const hfh::Index columns : {194, 199}) {
+        Stage stage{made_terrain(columns, columns - 5, hills), {.spacing = {10, 10}}, {240, 160}};
+        for (const double level : {0.6, 1.5, 2.8, 3.0, 3.9}) {
+            stage.shown.settings().level = {.by_scale = false, .level = level};
+            const double at = columns == 199 ? 0.4 : 0.7;
+            look(stage, stage.pointing(at, 1 - at));
+            INFO(columns << " columns, level " << level);
+            REQUIRE(stage.shown.view().level == level);
+            check_pixels(stage, 300);
+            check_no_gaps(stage);
+            check_all_felt(stage);
+        }
     }
 }
 

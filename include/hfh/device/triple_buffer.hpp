@@ -26,7 +26,8 @@ namespace hfh {
 template <class T>
 class TripleBuffer {
 public:
-    static_assert(std::is_trivially_copyable_v<T>, "a value is copied like plain bytes, and cannot throw");
+    static_assert(std::is_trivially_destructible_v<T>,
+                  "a value owns nothing, so a copy does not allocate, throw or lock");
     static_assert(std::is_default_constructible_v<T>, "before the first value there is T{}");
 
     TripleBuffer() noexcept = default;

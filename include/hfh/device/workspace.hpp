@@ -41,9 +41,9 @@ enum class WorkspaceStatus : unsigned char {
 [[nodiscard]] inline WorkspaceStatus check(const WorkspaceFrame& frame) noexcept {
     if (!is_finite(frame.scale) || !(frame.scale > 0)) return WorkspaceStatus::bad_scale;
     const glm::dmat3& r = frame.rotation;
-    for (int i = 0; i < 3; ++i) {
+    for (glm::length_t i = 0; i < 3; ++i) {
         if (!is_finite(r[i])) return WorkspaceStatus::bad_rotation;
-        for (int j = 0; j < 3; ++j) {
+        for (glm::length_t j = 0; j < 3; ++j) {
             // A rotation that was worked out in float is good enough.
             const double error = glm::dot(r[i], r[j]) - (i == j ? 1 : 0);
             if (!(std::abs(error) <= 8 * static_cast<double>(epsilon<float>)))

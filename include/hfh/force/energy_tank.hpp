@@ -69,7 +69,7 @@ struct TankForce {
 /// passes until `reset`. Does not throw, does not allocate.
 class EnergyTank {
 public:
-    constexpr explicit EnergyTank(const EnergyTankOptions& options = {}) noexcept : options_{options} {}
+    GLM_CONSTEXPR explicit EnergyTank(const EnergyTankOptions& options = {}) noexcept : options_{options} {}
 
     /// Whether the options are in range. If they are not, no force passes, ever.
     [[nodiscard]] constexpr bool usable() const noexcept {
@@ -119,7 +119,7 @@ public:
     [[nodiscard]] constexpr unsigned long long exceeded() const noexcept { return exceeded_; }
 
     /// Empty, as at the start.
-    constexpr void reset() noexcept { *this = EnergyTank{options_}; }
+    GLM_CONSTEXPR void reset() noexcept { *this = EnergyTank{options_}; }
 
 private:
     /// Counts what the last force has done on the way to `position`.

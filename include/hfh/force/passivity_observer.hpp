@@ -27,7 +27,7 @@ namespace hfh {
 class PassivityObserver {
 public:
     /// q: the length of a step of the encoders in metres, along each axis. 0, or no number: as told.
-    constexpr explicit PassivityObserver(double resolution = 0) noexcept
+    GLM_CONSTEXPR explicit PassivityObserver(double resolution = 0) noexcept
         : resolution_{is_finite(resolution) && resolution > 0 ? resolution : 0} {}
 
     /// One update: the device is at `position`, in metres; `newtons` acts from now until the next one.
@@ -36,7 +36,7 @@ public:
             known_ = false;
             return;
         }
-        for (int k = 0; k < 3; ++k) {
+        for (glm::length_t k = 0; k < 3; ++k) {
             Axis& axis = axes_[k];
             if (!known_) {
                 axis = {position[k], position[k], 1};
@@ -59,7 +59,7 @@ public:
     [[nodiscard]] constexpr double owed() const noexcept { return std::max(0.0, -balance_); }
 
     /// Counts from nothing again.
-    constexpr void reset() noexcept { *this = PassivityObserver{resolution_}; }
+    GLM_CONSTEXPR void reset() noexcept { *this = PassivityObserver{resolution_}; }
 
 private:
     struct Axis {

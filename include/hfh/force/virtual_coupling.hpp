@@ -59,7 +59,7 @@ struct CoupledForce {
 /// or position that is no number is passed on; the one after it counts as the first. Does not throw, does not allocate.
 class VirtualCoupling {
 public:
-    constexpr explicit VirtualCoupling(const VirtualCouplingOptions& options) noexcept
+    GLM_CONSTEXPR explicit VirtualCoupling(const VirtualCouplingOptions& options) noexcept
         : stiffness_{options.stiffness}, share_{1.5 * options.lag} {}
 
     /// One update: the device is at `position`, in metres, and the spring asks for `newtons`, both at the hand.

@@ -16,6 +16,15 @@ enum class NewtonStatus : unsigned char {
     iteration_limit ///< `max_iterations` steps were taken; the point is still no farther than the start
 };
 
+[[nodiscard]] constexpr const char* to_string(NewtonStatus status) noexcept {
+    switch (status) {
+    case NewtonStatus::converged: return "converged";
+    case NewtonStatus::at_border: return "at_border";
+    case NewtonStatus::iteration_limit: return "iteration_limit";
+    }
+    return "unknown";
+}
+
 /// What to do where the descent leads out of the patch.
 enum class BorderRule : unsigned char {
     slide, ///< go on along the border: ends at the bounded closest point

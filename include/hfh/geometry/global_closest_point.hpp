@@ -18,6 +18,15 @@ enum class GlobalStatus : unsigned char {
     interval_limit ///< the search was cut short after `GlobalClosestPoint::max_intervals`; the best found so far
 };
 
+[[nodiscard]] constexpr const char* to_string(GlobalStatus status) noexcept {
+    switch (status) {
+    case GlobalStatus::certified: return "certified";
+    case GlobalStatus::searched: return "searched";
+    case GlobalStatus::interval_limit: return "interval_limit";
+    }
+    return "unknown";
+}
+
 template <Real T>
 struct GlobalClosestPoint {
     static constexpr int max_intervals = 1000;
@@ -34,25 +43,23 @@ namespace detail {
 struct Interval {
     double low, high;
 
-    [[nodiscard]] static constexpr Interval spanned(double a, double b) noexcept {
+    [[nodiscard]] static Interval spanned(double a, double b) noexcept {
         return {glm::min(a, b), glm::max(a, b)};
     }
     [[nodiscard]] constexpr bool contains(double x) const noexcept { return low <= x && x <= high; }
-    [[nodiscard]] constexpr Interval squared() const noexcept {
+    [[nodiscard]] Interval squared() const noexcept {
         const Interval s = spanned(low * low, high * high);
         return contains(0) ? Interval{0, s.high} : s;
     }
     friend constexpr Interval operator+(Interval a, Interval b) noexcept {
         return {a.low + b.low, a.high + b.high};
     }
-    friend constexpr Interval operator*(Interval a, Interval b) noexcept {
+    friend Interval operator*(Interval a, Interval b) noexcept {
         const Interval p = spanned(a.low * b.low, a.low * b.high),
                        q = spanned(a.high * b.low, a.high * b.high);
         return {glm::min(p.low, q.low), glm::max(p.high, q.high)};
     }
-    friend constexpr Interval operator*(double k, Interval a) noexcept {
-        return spanned(k * a.low, k * a.high);
-    }
+    friend Interval operator*(double k, Interval a) noexcept { return spanned(k * a.low, k * a.high); }
     /// a / b for b > 0.
     friend constexpr Interval operator/(Interval a, Interval b) noexcept {
         return {a.low / (a.low > 0 ? b.high : b.low), a.high / (a.high > 0 ? b.low : b.high)};

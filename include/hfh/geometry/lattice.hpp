@@ -48,8 +48,8 @@ struct CellRange {
     /// For a field that has no border (a formula): 2⁵¹ cells to every side, where an Index has 32 bits 5·10⁸. That is
     /// 5000 km of cells of a centimetre.
     [[nodiscard]] static constexpr CellRange endless() noexcept {
-        constexpr Index far = detail::farthest_cell<Index>();
-        return {{-far, -far}, {far, far}};
+        constexpr Index farthest = detail::farthest_cell<Index>();
+        return {{-farthest, -farthest}, {farthest, farthest}};
     }
 };
 
@@ -124,8 +124,9 @@ public:
 
     constexpr BasicLattice() noexcept = default;
 
-    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`).
-    constexpr BasicLattice(vec2<F> origin, vec2<F> spacing) noexcept
+    /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`). As every
+    /// function marked GLM_CONSTEXPR, constexpr where GLM's vectors are, which is everywhere but under GLM_FORCE_INTRINSICS.
+    GLM_CONSTEXPR BasicLattice(vec2<F> origin, vec2<F> spacing) noexcept
         : origin_{origin}, spacing_{spacing}, per_metre_{F(1) / spacing.x, F(1) / spacing.y} {}
 
     [[nodiscard]] constexpr vec2<F> origin() const noexcept { return origin_; }
@@ -157,10 +158,10 @@ public:
     /// Whether column and row numbers of p can be computed at all (an Index holds them, an F counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
-        constexpr F far = static_cast<F>(detail::farthest_countable<F>);
+        constexpr F farthest = static_cast<F>(detail::farthest_countable<F>);
         const F u = (detail::widen_to<F>(p.x) - origin_.x) * per_metre_.x,
                 v = (detail::widen_to<F>(p.y) - origin_.y) * per_metre_.y;
-        return -far < u && u < far && -far < v && v < far;
+        return -farthest < u && u < farthest && -farthest < v && v < farthest;
     }
 
 private:

@@ -1,6 +1,12 @@
 #ifndef HFH_GEOMETRY_SCALAR_HPP
 #define HFH_GEOMETRY_SCALAR_HPP
 
+#if defined(_MSVC_LANG) ? _MSVC_LANG < 202002L : __cplusplus < 202002L
+#error "hfh needs C++20: compile with -std=c++20 (MSVC: /std:c++20) or newer"
+#include <hfh/needs_cpp20> // There is no such file, so the compiler stops here and adds no errors that follow from this.
+#endif
+
+#include <glm/common.hpp> // also undefines the macros min and max of <windows.h>
 #include <glm/ext/vector_double2.hpp>
 #include <glm/ext/vector_double3.hpp>
 #include <glm/ext/vector_float2.hpp>
@@ -149,10 +155,14 @@ template <Real T>
     }
     return static_cast<double>(x);
 }
-[[nodiscard]] constexpr glm::dvec3 widen(const vec3<float>& p) noexcept {
+template <std::same_as<float> T>
+[[nodiscard]] constexpr glm::dvec3 widen(const vec3<T>& p) noexcept {
     return {widen(p.x), widen(p.y), widen(p.z)};
 }
-[[nodiscard]] constexpr const glm::dvec3& widen(const vec3<double>& p) noexcept { return p; }
+template <std::same_as<double> T>
+[[nodiscard]] constexpr const vec3<T>& widen(const vec3<T>& p) noexcept {
+    return p;
+}
 
 namespace detail {
 

@@ -39,9 +39,9 @@ struct JointEncoders {
     [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& position) const noexcept {
         if (!(step > 0)) return position;
         const glm::dvec3 from = position - shoulder;
-        const double out = std::hypot(from.x, from.y), far = std::hypot(out, from.z);
+        const double out = std::hypot(from.x, from.y), distance = std::hypot(out, from.z);
         // By the law of cosines: the angle at the elbow, less a straight arm, and the shoulder's part of it.
-        const double bend = (far * far - upper * upper - lower * lower) / (2 * upper * lower);
+        const double bend = (distance * distance - upper * upper - lower * lower) / (2 * upper * lower);
         const double elbow = std::acos(std::clamp(bend, -1.0, 1.0));
         const double lift =
             std::atan2(from.z, out) + std::atan2(lower * std::sin(elbow), upper + lower * std::cos(elbow));

@@ -27,28 +27,28 @@ struct DeviceModel {
 /// The 3D Systems Touch (Phantom Omni). Force, resolution, stiffness and workspace are the maker's. Mass (45 g) and
 /// friction (0.26 N) are those of the maker's data sheet for the Omni, quoted from memory; the viscous friction is
 /// assumed.
-inline constexpr DeviceModel simulated_touch{.mass = 0.045,
-                                             .viscous = 0.005,
-                                             .dry = 0.26,
-                                             .capabilities = {.max_force = 3.3,
-                                                              .max_stiffness = 500,
-                                                              .rate = 1000,
-                                                              .resolution = 0.055e-3,
-                                                              .workspace = {0.160, 0.070, 0.120}}};
+inline const DeviceModel simulated_touch{.mass = 0.045,
+                                         .viscous = 0.005,
+                                         .dry = 0.26,
+                                         .capabilities = {.max_force = 3.3,
+                                                          .max_stiffness = 500,
+                                                          .rate = 1000,
+                                                          .resolution = 0.055e-3,
+                                                          .workspace = {0.160, 0.070, 0.120}}};
 
 /// The Phantom Premium 1.5. The stiffness is what CHAI3D renders on it in closed loop (800 N/m, the m_maxLinearStiffness
 /// in its block "Premium 1.5 6DOF"); Choi and Tan (Effect of update rate on perceived instability of virtual haptic
 /// texture, 2004) found textures of 325 to 904 N/m at most to feel clean, at 250 Hz to 40 kHz. The maker's 3.5 N/mm is
 /// the stiffness of the mechanism, by which the linkage gives, and no gain for a loop. All else but the viscous friction,
 /// which is assumed, are the maker's nominal figures, quoted from memory; no free source of them was at hand.
-inline constexpr DeviceModel simulated_premium{.mass = 0.075,
-                                               .viscous = 0.005,
-                                               .dry = 0.04,
-                                               .capabilities = {.max_force = 8.5,
-                                                                .max_stiffness = 800,
-                                                                .rate = 1000,
-                                                                .resolution = 0.03e-3,
-                                                                .workspace = {0.381, 0.191, 0.267}}};
+inline const DeviceModel simulated_premium{.mass = 0.075,
+                                           .viscous = 0.005,
+                                           .dry = 0.04,
+                                           .capabilities = {.max_force = 8.5,
+                                                            .max_stiffness = 800,
+                                                            .rate = 1000,
+                                                            .resolution = 0.03e-3,
+                                                            .workspace = {0.381, 0.191, 0.267}}};
 
 /// How a hand holds the device: by a spring and a damper between the end effector and where the hand wants it to be.
 struct HandGrip {
@@ -67,7 +67,7 @@ template <class A>
 struct SameAxes {
     using Axis = A;
     Axis axis;
-    [[nodiscard]] const Axis& operator[](int) const noexcept { return axis; }
+    [[nodiscard]] const Axis& operator[](glm::length_t) const noexcept { return axis; }
 };
 
 /// Or each in its own way: other inertia along each, weight along z, stops at the walls of the workspace.
@@ -75,7 +75,7 @@ template <class A>
 struct OwnAxes {
     using Axis = A;
     Axis axes[3];
-    [[nodiscard]] const Axis& operator[](int k) const noexcept { return axes[k]; }
+    [[nodiscard]] const Axis& operator[](glm::length_t k) const noexcept { return axes[k]; }
 };
 
 /// A simulated device in a simulated hand: a `Device`, in SI units, with the same motion on every run.
@@ -155,7 +155,7 @@ public:
 
     /// Sets position (m) and velocity (m/s): for tests that start with a velocity.
     constexpr void place(const glm::dvec3& position, const glm::dvec3& velocity) noexcept {
-        for (int k = 0; k < 3; ++k) state_[k] = Axes::Axis::at(position[k], velocity[k]);
+        for (glm::length_t k = 0; k < 3; ++k) state_[k] = Axes::Axis::at(position[k], velocity[k]);
     }
 
     /// One update: takes the force for the present sample and gives the next one. Precondition: valid(), a finite force.
@@ -163,7 +163,7 @@ public:
         held_ = delayed(limited(newtons));
         ++updates_;
         const glm::dvec3 to = path_(time());
-        for (int k = 0; k < 3; ++k)
+        for (glm::length_t k = 0; k < 3; ++k)
             state_[k] = axes_[k].advance(state_[k], period(), held_[k], hand_[k], to[k]);
         hand_ = to;
         return sample();

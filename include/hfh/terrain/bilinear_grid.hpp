@@ -29,6 +29,16 @@ enum class GridStatus : unsigned char {
     bad_height_scale ///< height scale or offset not finite, or too large for the range of an integer sample
 };
 
+[[nodiscard]] constexpr const char* to_string(GridStatus status) noexcept {
+    switch (status) {
+    case GridStatus::ok: return "ok";
+    case GridStatus::too_few_samples: return "too_few_samples";
+    case GridStatus::bad_spacing: return "bad_spacing";
+    case GridStatus::bad_height_scale: return "bad_height_scale";
+    }
+    return "unknown";
+}
+
 /// The library's own height field: samples, usually a `HeightView`, and a frame.
 ///
 /// Prepares nothing and stores nothing per sample; reading a patch is four loads from the user's memory. Does not throw: a
@@ -36,7 +46,7 @@ enum class GridStatus : unsigned char {
 ///
 /// A sample is a hole where its source says so, and where its height is NaN, infinite, or `longest` metres or more in size
 /// (2³¹ in float, 2²⁵⁵ in double). So a "no data" value of that size need not be declared.
-template <Real T, HeightSource Heights, Real F = double>
+template <Real T, HeightSource Heights = HeightView<T>, Real F = double>
 class BilinearGrid {
 public:
     using Scalar = T;
@@ -145,6 +155,13 @@ private:
 /// Computes in double unless told otherwise.
 template <HeightSource Heights>
 BilinearGrid(Heights, const GridFrame&) -> BilinearGrid<double, Heights>;
+
+/// A grid that computes in T over heights of any type: `make_grid<float>(heights, {.spacing = {10, 10}})`. Where the samples
+/// are of type T themselves, `BilinearGrid<T>{heights, frame}` says the same.
+template <Real T, HeightSource Heights>
+[[nodiscard]] constexpr BilinearGrid<T, Heights> make_grid(Heights heights, const GridFrame& frame) noexcept {
+    return {heights, frame};
+}
 
 } // namespace hfh
 

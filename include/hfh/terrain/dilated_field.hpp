@@ -112,7 +112,7 @@ private:
     /// top, by a factor of (|twist|·r/(dx·dy))² nearer each turn on level ground; elsewhere perhaps to a lower one.
     [[nodiscard]] Scalar highest_centre(const BilinearPatch<Scalar>& patch, const vec2<Scalar>& corner,
                                         const vec2<Scalar>& nearest) const noexcept {
-        const vec2<Scalar> cell = patch.spacing, far = corner + cell;
+        const vec2<Scalar> cell = patch.spacing, opposite = corner + cell;
         const auto u_of = [&](Scalar x) { return std::clamp((x - corner.x) / cell.x, Scalar(0), Scalar(1)); };
         const auto v_of = [&](Scalar y) { return std::clamp((y - corner.y) / cell.y, Scalar(0), Scalar(1)); };
         const Scalar square = radius_ * radius_;
@@ -122,7 +122,8 @@ private:
 
         const Scalar sx = patch.slope_u(Scalar(0.5)) / cell.x, sy = patch.slope_v(Scalar(0.5)) / cell.y;
         const Scalar steep = radius_ / std::sqrt(Scalar(1) + sx * sx + sy * sy);
-        Scalar x = std::clamp(sx * steep, corner.x, far.x), y = std::clamp(sy * steep, corner.y, far.y);
+        Scalar x = std::clamp(sx * steep, corner.x, opposite.x),
+               y = std::clamp(sy * steep, corner.y, opposite.y);
         if (!(x * x + y * y <= square)) x = nearest.x, y = nearest.y;
 
         const auto centre_at = [&](Scalar px, Scalar py) {
@@ -132,9 +133,9 @@ private:
         Scalar top = centre_at(x, y);
         for (int turn = 0; turn < 24; ++turn) {
             const Scalar slope_x = patch.slope_u(v_of(y)) / cell.x;
-            x = std::clamp(touching_at(slope_x, square - y * y), corner.x, far.x);
+            x = std::clamp(touching_at(slope_x, square - y * y), corner.x, opposite.x);
             const Scalar slope_y = patch.slope_v(u_of(x)) / cell.y;
-            y = std::clamp(touching_at(slope_y, square - x * x), corner.y, far.y);
+            y = std::clamp(touching_at(slope_y, square - x * x), corner.y, opposite.y);
             const Scalar here = centre_at(x, y);
             const bool climbs = here > top + epsilon<Scalar> * radius_;
             top = std::max(top, here);
@@ -156,11 +157,11 @@ private:
     }
     /// Fine line over coarse line i and `by` fine cells more, as far as cells can be numbered.
     [[nodiscard]] constexpr Index fine_line(Index i, double by) const noexcept {
-        constexpr Index far = CellRange::endless().end.i;
+        constexpr Index farthest = CellRange::endless().end.i;
         const double line = static_cast<double>(i) * subdivisions_ + by;
-        return line < static_cast<double>(-far)  ? -far
-               : line > static_cast<double>(far) ? far
-                                                 : static_cast<Index>(std::floor(line));
+        return line < static_cast<double>(-farthest)  ? -farthest
+               : line > static_cast<double>(farthest) ? farthest
+                                                      : static_cast<Index>(std::floor(line));
     }
 
     const Field* field_;

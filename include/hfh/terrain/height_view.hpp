@@ -5,6 +5,7 @@
 
 #include <concepts>
 #include <type_traits>
+#include <utility>
 
 // The height field data of §4.1, "images with depth values", read from the user's memory.
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.1; the strided views of std::mdspan (P0009).
@@ -62,6 +63,16 @@ MissingValue(S) -> MissingValue<S>;
 template <class Missing, class S>
 concept TellsHoles = std::predicate<const Missing&, S>;
 
+namespace detail {
+
+/// n as an Index; 0 if an Index cannot hold it.
+template <std::integral N>
+[[nodiscard]] constexpr Index to_index(N n) noexcept {
+    return std::in_range<Index>(n) ? static_cast<Index>(n) : 0;
+}
+
+} // namespace detail
+
 /// A strided view on `columns` × `rows` samples of the user's own storage.
 ///
 /// Sample (i, j), 0 ≤ i < columns, 0 ≤ j < rows, is `data[i * column_stride + j * row_stride]`. Strides count
@@ -71,6 +82,8 @@ concept TellsHoles = std::predicate<const Missing&, S>;
 ///     HeightView{pixels + 3, w, h, 4, 4 * w}          the alpha channel of RGBA pixels
 ///     HeightView{heights, w, h}.flipped_rows()        a raster stored north row first, seen right way up
 ///
+/// Numbers and strides may be integers of any type, `std::size_t` too. One that an Index cannot hold counts as 0.
+///
 /// `Missing` is a predicate, true for a sample that marks a hole. The view owns nothing, copies no samples and keeps no more
 /// than the numbers above; the storage must outlive it and may change between updates.
 template <Sample S, TellsHoles<S> Missing = NeverMissing>
@@ -78,12 +91,15 @@ class HeightView {
 public:
     using SampleType = S;
 
-    constexpr HeightView(const S* data, Index columns, Index rows, Index column_stride, Index row_stride,
+    constexpr HeightView(const S* data, std::integral auto columns, std::integral auto rows,
+                         std::integral auto column_stride, std::integral auto row_stride,
                          Missing missing = {}) noexcept
-        : data_{data}, columns_{columns}, rows_{rows}, column_stride_{column_stride},
-          row_stride_{row_stride}, missing_{missing} {}
+        : data_{data}, columns_{detail::to_index(columns)}, rows_{detail::to_index(rows)},
+          column_stride_{detail::to_index(column_stride)},
+          row_stride_{detail::to_index(row_stride)}, missing_{missing} {}
 
-    constexpr HeightView(const S* data, Index columns, Index rows, Missing missing = {}) noexcept
+    constexpr HeightView(const S* data, std::integral auto columns, std::integral auto rows,
+                         Missing missing = {}) noexcept
         : HeightView{data, columns, rows, 1, columns, missing} {}
 
     [[nodiscard]] constexpr Index columns() const noexcept { return columns_; }
@@ -125,14 +141,15 @@ private:
     [[no_unique_address]] Missing missing_;
 };
 
-template <class S>
-HeightView(S*, Index, Index, Index, Index) -> HeightView<std::remove_cv_t<S>>;
-template <class S>
-HeightView(S*, Index, Index) -> HeightView<std::remove_cv_t<S>>;
-template <class S, TellsHoles<std::remove_cv_t<S>> Missing>
-HeightView(S*, Index, Index, Index, Index, Missing) -> HeightView<std::remove_cv_t<S>, Missing>;
-template <class S, TellsHoles<std::remove_cv_t<S>> Missing>
-HeightView(S*, Index, Index, Missing) -> HeightView<std::remove_cv_t<S>, Missing>;
+template <class S, std::integral N, std::integral M, std::integral A, std::integral B>
+HeightView(S*, N, M, A, B) -> HeightView<std::remove_cv_t<S>>;
+template <class S, std::integral N, std::integral M>
+HeightView(S*, N, M) -> HeightView<std::remove_cv_t<S>>;
+template <class S, std::integral N, std::integral M, std::integral A, std::integral B,
+          TellsHoles<std::remove_cv_t<S>> Missing>
+HeightView(S*, N, M, A, B, Missing) -> HeightView<std::remove_cv_t<S>, Missing>;
+template <class S, std::integral N, std::integral M, TellsHoles<std::remove_cv_t<S>> Missing>
+HeightView(S*, N, M, Missing) -> HeightView<std::remove_cv_t<S>, Missing>;
 
 } // namespace hfh
 

@@ -32,6 +32,16 @@ enum class PyramidStatus : unsigned char {
     other_size          ///< these heights have not the columns and rows that the pyramid is made for
 };
 
+[[nodiscard]] constexpr const char* to_string(PyramidStatus status) noexcept {
+    switch (status) {
+    case PyramidStatus::ok: return "ok";
+    case PyramidStatus::too_few_samples: return "too_few_samples";
+    case PyramidStatus::too_little_storage: return "too_little_storage";
+    case PyramidStatus::other_size: return "other_size";
+    }
+    return "unknown";
+}
+
 namespace detail {
 
 /// log₂ of the cells along a side of a block of level 0: as small as a tenth of a byte a sample allows.
@@ -95,11 +105,13 @@ public:
     static constexpr Index side = block_side<S>;
     /// Three arrays of 4 KiB: they stay in the first-level cache, and on any stack.
     static constexpr Index most_blocks = 4096 / (side * Index{sizeof(S)});
+    static constexpr std::size_t length = static_cast<std::size_t>(most_blocks * side + 1);
 
     /// Reads rows begin ≤ j < end, at most side + 1, of `columns` samples, at most side·most_blocks + 1.
     template <class Rows>
     constexpr void read(const Rows& rows, Index columns, Index begin, Index end) noexcept {
-        take(rows, std::make_index_sequence<side + 1>{}, columns, begin, end, lowest_, highest_, hole_);
+        take(rows, std::make_index_sequence<std::size_t{side + 1}>{}, columns, begin, end, lowest_, highest_,
+             hole_);
         // The last block may be cut off by the border: its last column again in those it lacks.
         for (Index c = columns; c % side != 1; ++c) {
             lowest_[c] = lowest_[columns - 1];
@@ -150,9 +162,9 @@ private:
         }
     }
 
-    S lowest_[most_blocks * side + 1];
-    S highest_[most_blocks * side + 1];
-    Flag hole_[most_blocks * side + 1];
+    S lowest_[length];
+    S highest_[length];
+    Flag hole_[length];
 };
 
 } // namespace detail
@@ -349,7 +361,7 @@ private:
     Range* ranges_ = nullptr;
     Index columns_ = 0; // of samples
     Index rows_ = 0;
-    Level level_[(std::numeric_limits<Index>::digits - block_bits) / 2 + 2] = {};
+    Level level_[std::size_t{(std::numeric_limits<Index>::digits - block_bits) / 2 + 2}] = {};
     int levels_ = 0;
     PyramidStatus status_ = PyramidStatus::too_few_samples;
 };

@@ -187,11 +187,11 @@ struct AxisWalk {
         // the segment and the range.
         const F number = (a + t * d) * cells_per_metre;
         const F rounding_bound = 64 * epsilon<F> * (std::abs(number) + 2);
-        const auto near =
+        const auto earliest =
             base + static_cast<Index>(std::floor(number - static_cast<F>(step) * rounding_bound));
-        cell = glm::clamp(near, glm::min(start_cell, goal_cell), glm::max(start_cell, goal_cell));
+        cell = glm::clamp(earliest, glm::min(start_cell, goal_cell), glm::max(start_cell, goal_cell));
         cell = glm::clamp(cell, begin, end - 1);
-        entered_before = cell == near;
+        entered_before = cell == earliest;
         const Index stop = glm::clamp(goal_cell, begin, end - 1);
         for (t_exit = exit_time(); cell != stop && t_exit < t; advance()) entered_before = true;
     }

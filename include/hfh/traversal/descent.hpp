@@ -22,6 +22,16 @@ enum class DescentStatus : unsigned char {
     work_limit ///< `max_patches` were looked at (or Newton's iterations ran out); still no farther than the start
 };
 
+[[nodiscard]] constexpr const char* to_string(DescentStatus status) noexcept {
+    switch (status) {
+    case DescentStatus::minimum: return "minimum";
+    case DescentStatus::off_border: return "off_border";
+    case DescentStatus::off_hole: return "off_hole";
+    case DescentStatus::work_limit: return "work_limit";
+    }
+    return "unknown";
+}
+
 /// Where a descent that was cut short is on its way, so that it goes on in another call with the same query as if it had
 /// not been cut short: to the bit. Made anew where the query is another one. Heights may have been edited meanwhile.
 template <Real T>

@@ -164,23 +164,24 @@ template <bool x_major, HeightField Field>
 slab_lies_below(const Field& field, Index major,
                 const typename SegmentProfile<FrameScalar<Field>>::SlabPart& part) noexcept {
     if constexpr (CorneredHeightField<Field>) {
-        const Index near = part.begin, far = part.end - 1;
-        if (far - near <= 1) {
+        const Index first = part.begin, last = part.end - 1;
+        if (last - first <= 1) {
             if (!part.is_in(minor_range<x_major>(field.cells()))) return false;
             // Two cells or one, which is hard to predict. So six corners, two of them twice where there is one.
             // Rounding keeps the order: what is not below z is not below z in T either.
             const Index next = major + 1;
-            return field.corners_below({vertex_at<x_major>(major, near), vertex_at<x_major>(next, near),
-                                        vertex_at<x_major>(major, far), vertex_at<x_major>(next, far),
+            return field.corners_below({vertex_at<x_major>(major, first), vertex_at<x_major>(next, first),
+                                        vertex_at<x_major>(major, last), vertex_at<x_major>(next, last),
                                         vertex_at<x_major>(major, part.end),
                                         vertex_at<x_major>(next, part.end)},
                                        static_cast<typename Field::Scalar>(part.lowest));
         }
     }
     if constexpr (QuickHeightField<Field>) {
-        const Index near = part.begin, far = part.end - 1;
-        if (far - near <= 1 && field.surely_below(cell_at<x_major>(major, near), cell_at<x_major>(major, far),
-                                                  static_cast<typename Field::Scalar>(part.lowest))) {
+        const Index first = part.begin, last = part.end - 1;
+        if (last - first <= 1 &&
+            field.surely_below(cell_at<x_major>(major, first), cell_at<x_major>(major, last),
+                               static_cast<typename Field::Scalar>(part.lowest))) {
             return true;
         }
     }

@@ -22,6 +22,15 @@ enum class HitStatus : unsigned char {
     cell_limit ///< neither up to `t`, where the allowed number of cells was used up
 };
 
+[[nodiscard]] constexpr const char* to_string(HitStatus status) noexcept {
+    switch (status) {
+    case HitStatus::hit: return "hit";
+    case HitStatus::miss: return "miss";
+    case HitStatus::cell_limit: return "cell_limit";
+    }
+    return "unknown";
+}
+
 /// F is what the lattice of the field computes in.
 template <Real T, Real F = double>
 struct FirstHit {
