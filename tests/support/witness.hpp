@@ -94,8 +94,12 @@ private:
         const Place at = place_of(wide(stylus));
         const bool was_outside = outside_;
         const Side was_side = side_;
-        outside_ = at.under && ((was_outside && c.touching()) || at.above > at.tolerance ||
-                                (was_outside && at.above >= -at.tolerance));
+        // A lattice in float leaves open on which side a stylus is that is nearer to the surface than its roundings, and they
+        // can be centimetres on cliffs: there the side counts that the tracker tells.
+        const bool unclear =
+            at.above >= -at.tolerance && (std::is_same_v<PlaceScalar<T>, double> || c.side != Side::below);
+        outside_ = at.under &&
+                   ((was_outside && c.touching()) || at.above > at.tolerance || (was_outside && unclear));
         side_ = !at.under ? Side::none : c.side;
 
         if (!is_finite(c.proxy) || !is_finite(c.normal) || !is_finite(c.penetration) || !is_finite(c.depth)) {
