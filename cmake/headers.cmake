@@ -2,9 +2,9 @@
 # one by one, which header may include which, and the tables that include/hfh/README.md has to have (tests/headers.cmake).
 set(hfh_rooms geometry terrain traversal contact force device loop simulation)
 
-set(hfh_in_geometry scalar lattice bilinear_patch surface_point distance_function newton_step safeguarded_step closest_point global_closest_point)
+set(hfh_in_geometry scalar lattice bilinear_patch surface_point distance_function newton_step safeguarded_step closest_point global_closest_point patch_minima)
 set(hfh_in_terrain height_view height_field bilinear_grid extended_field bridged_field dilated_field min_max_pyramid height_levels blended_field)
-set(hfh_in_traversal candidate_walker empty_space_skipping cell_crossing first_hit descent)
+set(hfh_in_traversal candidate_walker empty_space_skipping cell_crossing first_hit descent surface_at reach_search nearest_point local_closest_points)
 set(hfh_in_contact contact proxy_tracker friction_cone friction force_shading level_change)
 set(hfh_in_force force_evaluator damping virtual_coupling passivity_observer energy_tank)
 set(hfh_in_device device workspace guard_limits sample_check force_guard triple_buffer limit_cycle_filter)

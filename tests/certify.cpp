@@ -1,14 +1,16 @@
 // The promises of the library at full count, with a line for each. Oracles as in the tests, which run a sample:
 //
-//     hfh_certify PART SCALAR SHARE      PART closest_point, steps, descent, flow, first_hit, tracker,
+//     hfh_certify PART SCALAR SHARE      PART closest_point, steps, nearest, descent, flow, first_hit, tracker,
 //                                        limited, flat or all
 //                                        SCALAR float or double, SHARE of the full count, 1 for all of it
 //
 // Exits with 1 if a promise was broken.
 
 #include "support/brute_force_hit.hpp"
+#include "support/hard_ground.hpp"
 #include "support/hard_patches.hpp"
 #include "support/limited_work.hpp"
+#include "support/nearest_judge.hpp"
 #include "support/real_terrains.hpp"
 #include "support/scenes.hpp"
 #include "support/step_judge.hpp"
@@ -16,6 +18,8 @@
 
 #include <hfh/force/force_evaluator.hpp>
 #include <hfh/geometry/global_closest_point.hpp>
+#include <hfh/terrain/min_max_pyramid.hpp>
+#include <hfh/traversal/nearest_point.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -90,6 +94,71 @@ void each_terrain(Each&& each) {
         }
     }
     for (const auto& scene : scenes<T>()) each(scene.name, scene.terrain);
+}
+
+/// The nearest point of a whole field, from 10⁻⁶ to 100 cells away, with bounds and without: wrong if the distance is too
+/// large by more than 1e-12 (float: 4e-6) of the largest length, or if anything else of the result is not true. A fifth of
+/// the queries each on real terrains with and without holes and on the scenes, as they are and with holes; the rest on hard
+/// ground.
+template <Real T>
+void nearest() {
+    Random random{113};
+    const long count = counted(1e6);
+    long queries = 0, wrong = 0, none = 0, sides = 0;
+    Wide worst = 0;
+    const auto judge = [&](const char* terrain, const Terrain<T>& ground, long share_of_count) {
+        const auto grid = ground.grid();
+        std::vector<SampleRange<T>> storage(
+            static_cast<std::size_t>(MinMaxPyramid<T>::size(ground.columns, ground.rows)));
+        BoundedGrid bounded{grid, storage.data(), static_cast<Index>(storage.size())};
+        (void)bounded.build();
+        const NearestJudge<T> right{ground};
+        for (long n = 0; n < share_of_count; ++n, ++queries) {
+            const auto query = nearest_query(random, ground, 100);
+            NearestOptions<T> options{.max_work = std::numeric_limits<Index>::max()};
+            if (random.one_in(4))
+                options.max_distance =
+                    static_cast<T>(ground.frame.spacing.x * std::pow(10, random.between(-6, 2)));
+            const bool with_bounds = random.one_in(2);
+            const auto found =
+                with_bounds ? nearest_point(bounded, query, options) : nearest_point(grid, query, options);
+            const auto verdict = right(query, static_cast<Wide>(options.max_distance), found);
+            none += found.status == NearestStatus::none_within;
+            sides += found.side != Side::none;
+            worst = std::max(worst, verdict.error);
+            if (!verdict.fault.empty() && wrong++ < 3) {
+                std::printf("  %s on %s%s, query %s within %s\n", verdict.fault.c_str(), terrain,
+                            with_bounds ? " with bounds" : "", digits(query).c_str(),
+                            digits(options.max_distance).c_str());
+            }
+        }
+    };
+    const auto everywhere = scenes<T>();
+    const long named =
+        static_cast<long>(real_terrains_without_holes.size() + real_terrains_with_holes.size());
+    for (const auto& names : {real_terrains_without_holes, real_terrains_with_holes}) {
+        for (const auto& terrain : names) {
+            if (const auto ground = real_terrain<T>(terrain))
+                judge(terrain.c_str(), *ground, 1 + count * 2 / 5 / named);
+        }
+    }
+    for (const auto& scene : everywhere) {
+        auto ground = scene.terrain;
+        const long each = 1 + count / 5 / 2 / static_cast<long>(everywhere.size());
+        judge(scene.name, ground, each);
+        punch_holes(ground, 8, 114);
+        judge(scene.name, ground, each);
+    }
+    // All kinds but heights of every size, which are too far from one another to be told by distances.
+    for (int n = 0; queries < count; ++n)
+        judge("hard ground", hard_ground<T>(static_cast<HardGround>(n % (hard_grounds - 1)), random), 20);
+    report(
+        "nearest", name<T>,
+        text(
+            "%ld queries, %ld wrong, worst error %.2g (an eighth of the promise and less is not looked for), "
+            "%ld with none within their distance, %ld with a side",
+            queries, wrong, static_cast<double>(worst), none, sides),
+        wrong);
 }
 
 /// Strokes of 0.05 to 100 cells per update, 0.01 to 20 cells deep: the distance never rises, no patch around the end
@@ -513,6 +582,7 @@ template <Real T>
     };
     one("closest_point", closest_point<T>);
     one("steps", steps<T>);
+    one("nearest", nearest<T>);
     one("descent", descent<T>);
     one("flow", flow<T>);
     one("first_hit", first_crossing<T>);
@@ -531,11 +601,11 @@ int main(int argc, char** argv) {
     const bool understood =
         share > 0 && (scalar == "float" ? run<float>(argv[1]) : scalar == "double" && run<double>(argv[1]));
     if (!understood) {
-        std::fputs(
-            "usage: hfh_certify closest_point|steps|descent|flow|first_hit|tracker|limited|strokes|flat|all "
-            "float|double "
-            "SHARE\n",
-            stderr);
+        std::fputs("usage: hfh_certify "
+                   "closest_point|steps|nearest|descent|flow|first_hit|tracker|limited|strokes|flat|all "
+                   "float|double "
+                   "SHARE\n",
+                   stderr);
         return 2;
     }
     return broken ? 1 : 0;

@@ -24,6 +24,9 @@
 #include <hfh/terrain/dilated_field.hpp>
 #include <hfh/terrain/extended_field.hpp>
 #include <hfh/terrain/min_max_pyramid.hpp>
+#include <hfh/traversal/local_closest_points.hpp>
+#include <hfh/traversal/nearest_point.hpp>
+#include <hfh/traversal/surface_at.hpp>
 
 #include <cstdint>
 
@@ -53,6 +56,10 @@ template struct DistanceFunction<float>;
 template struct DistanceFunction<double>;
 template struct DescentResult<float>;
 template struct DescentResult<double>;
+template struct NearestPoint<float>;
+template struct NearestPoint<double>;
+template struct LocalClosestPoint<float>;
+template struct LocalClosestPoint<double>;
 template struct FirstHit<float>;
 template struct FirstHit<double>;
 template struct TrackerState<float>;
@@ -156,6 +163,9 @@ template <Real T, Sample S>
     const auto hit = first_hit(grid, {0, 0, 300}, {3, 3, -300});
     const auto foot = newton_closest_point(BilinearPatch<T>{}, CellPoint<T>{}, vec2<T>{T(0)});
     const auto nearest = global_closest_point(BilinearPatch<T>{}, CellPoint<T>{});
+    const auto under = surface_at(holed_grid, vec2<T>{1, 1});
+    const auto of_all = nearest_point(bounded, vec3<T>{1, 1, 0});
+    const auto near = collect_local_closest_points(grid, vec3<T>{1, 1, 0}, T(1), {});
     const auto end = descend(grid, vec3<T>{1, 1, 0}, SurfacePoint<T>{}, 64);
     const auto contact = tracker.update({T(1), T(1), T(300)});
     const ExtendedField level{holed_grid};
@@ -166,7 +176,8 @@ template <Real T, Sample S>
     const auto shaded = friction.hold(raised, shade_force(raised, level_tracker.update(stylus)), stylus);
     const auto damped = Damping<T>{}(force, shaded, VelocityFilter<T>{}.update(shaded.proxy, T(1)));
     return seen > 0 && is_finite(damped.newtons) && hit.cells > 0 && foot.iterations + end.patches > 0 &&
-           nearest.u >= 0 && is_finite(force(contact).newtons) && bounded.build() == PyramidStatus::ok &&
+           nearest.u >= 0 && under && of_all.signed_distance() && near.count == 0 &&
+           is_finite(force(contact).newtons) && bounded.build() == PyramidStatus::ok &&
            bounded.update({{1, 1}, {2, 2}}) == PyramidStatus::ok &&
            bounded.block_range(0, {0, 0}, {0, 0}).lowest < 300 &&
            bounded_tracker.update({T(1), T(1), T(300)}).depth >= 0 &&

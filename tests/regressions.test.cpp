@@ -559,3 +559,38 @@ TEMPLATE_TEST_CASE("proxy_tracker: ground that is edited while a descent is unde
     CHECK(edited > 500);
     CHECK(arrived > 500);
 }
+
+TEMPLATE_TEST_CASE("proxy_tracker: after an edit that takes the ground away a contact is on a patch",
+                   "[proxy_tracker][edits][limited][regression]", float, double) {
+    using T = TestType;
+    // While the way from a released minimum was searched, the contact stayed where there was no patch any more.
+    Random random{418};
+    int edited = 0;
+    for (int n = 0; n < 3000; ++n) {
+        auto ground = rough<T>(12, 11, 30, static_cast<std::uint64_t>(n + 1));
+        const auto grid = ground.grid();
+        const TrackerOptions little{.max_patches = static_cast<int>(random.whole(1, 6)),
+                                    .max_contact_patches = static_cast<int>(random.whole(1, 6))};
+        ProxyTracker tracker{grid, little};
+        const auto over = [&](double z) {
+            return vec3<T>{static_cast<T>(random.between(1, 10)), static_cast<T>(random.between(1, 9)),
+                           static_cast<T>(z)};
+        };
+        (void)tracker.update(over(99));
+        auto stylus = over(random.between(-20, 20));
+        auto contact = tracker.update(stylus);
+        for (int k = 0; k < 60; ++k) {
+            const bool takes_away = tracker.state().phase == TrackerPhase::releasing;
+            if (takes_away) {
+                const Cell gone = contact.point.cell;
+                ground.at(gone.i, gone.j) = std::numeric_limits<T>::quiet_NaN();
+                ++edited;
+            }
+            if (!takes_away && random.one_in(4)) stylus = over(random.between(-20, 20));
+            contact = tracker.update(stylus);
+            if (contact.touching()) CHECK(grid.patch(contact.point.cell));
+            if (takes_away) break;
+        }
+    }
+    CHECK(edited > 100);
+}

@@ -3,6 +3,8 @@
 #include <hfh/device.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/terrain.hpp>
+#include <hfh/traversal/local_closest_points.hpp>
+#include <hfh/traversal/nearest_point.hpp>
 
 #include <set>
 #include <string>
@@ -25,6 +27,8 @@ TEST_CASE("status_names: every status of the library has a name of its own", "[s
     CHECK(all_named<hfh::PyramidStatus>(4));
     CHECK(all_named<hfh::HitStatus>(3));
     CHECK(all_named<hfh::DescentStatus>(4));
+    CHECK(all_named<hfh::NearestStatus>(4));
+    CHECK(all_named<hfh::LocalPointsStatus>(5));
     CHECK(all_named<hfh::NewtonStatus>(3));
     CHECK(all_named<hfh::GlobalStatus>(3));
     CHECK(all_named<hfh::ContactStatus>(9));

@@ -7,8 +7,8 @@
 #include <functional>
 
 // The nearest point of the whole surface to queries anywhere, above and below, with bounds and without, beside trees of two
-// triangles a cell. Each peer is built, timed against the library and freed before the next one. A peer begins with a point
-// of the surface, which bounds its query: the sample nearest in plan.
+// triangles a cell. Each peer is built, timed against the library and freed before the next one. A peer is given the point of
+// its triangles over or under the query, which bounds its query as tightly as the library's own begins.
 
 namespace hfh::bench {
 namespace {
@@ -27,6 +27,17 @@ struct Queries {
     std::vector<double> distance; ///< ours
 };
 
+/// Height of the peers' triangles at a place in cells.
+template <class G>
+double triangle_height(const G& ground, const glm::dvec2& cells) {
+    const Index i = static_cast<Index>(cells.x), j = static_cast<Index>(cells.y);
+    const double u = cells.x - static_cast<double>(i), v = cells.y - static_cast<double>(j);
+    const double p00 = ground.sample(i, j), p11 = ground.sample(i + 1, j + 1);
+    const double beside = u > v ? ground.sample(i + 1, j) : ground.sample(i, j + 1);
+    return u > v ? p00 + u * (beside - p00) + v * (p11 - beside)
+                 : p00 + v * (beside - p00) + u * (p11 - beside);
+}
+
 /// Of the query's nearest point with bounds and without: equal, and not farther than it was put.
 template <class G, HeightField Field, HeightField BoundedField>
 Queries make_queries(const G& ground, const Reach& reach, const Field& grid, const BoundedField& bounded) {
@@ -39,8 +50,7 @@ Queries make_queries(const G& ground, const Reach& reach, const Field& grid, con
         const glm::dvec2 plan = cells * spacing;
         const double off = (made.at.size() % 2 == 0 ? 1 : -1) * reach.cells * ground.cell();
         made.at.push_back({plan, ground.surface(plan.x, plan.y) + off});
-        const glm::dvec2 sample = glm::round(cells) * spacing;
-        made.begin.push_back({sample, ground.surface(sample.x, sample.y)});
+        made.begin.push_back({plan, triangle_height(ground, cells)});
         const auto plain = nearest_point(grid, made.at.back()),
                    pruned = nearest_point(bounded, made.at.back());
         const double size = std::abs(off) + 2 * ground.cell();
@@ -57,24 +67,30 @@ Queries make_queries(const G& ground, const Reach& reach, const Field& grid, con
 
 double sum = 0; ///< of what is found, so that finding it is not left out
 
-template <HeightField Field>
-Runner find(const Field& field, const Queries& queries, const Reach& reach) {
-    return {queries.at.size() / reach.a_slice, static_cast<double>(reach.a_slice), [&](std::size_t slice) {
-                for (std::size_t k = slice * reach.a_slice; k < (slice + 1) * reach.a_slice; ++k) {
-                    const auto found = nearest_point(field, queries.at[k]);
-                    sum += found.distance + found.normal.z + found.position.x;
-                }
+/// Runs visit(k) for the queries of a slice. Runners of one race begin at different ones, a third of all apart: none finds in
+/// the caches what the one before it has just read.
+template <class Visit>
+Runner over(const Queries& queries, const Reach& reach, std::size_t thirds, Visit visit) {
+    const std::size_t slices = queries.at.size() / reach.a_slice;
+    return {slices, static_cast<double>(reach.a_slice), [=](std::size_t slice) {
+                const std::size_t begin = (slice + thirds * slices / 3) % slices * reach.a_slice;
+                for (std::size_t k = begin; k < begin + reach.a_slice; ++k) visit(k);
             }};
+}
+template <HeightField Field>
+Runner find(const Field& field, const Queries& queries, const Reach& reach, std::size_t thirds) {
+    return over(queries, reach, thirds, [&](std::size_t k) {
+        const auto found = nearest_point(field, queries.at[k]);
+        sum += found.distance + found.normal.z + found.position.x;
+    });
 }
 /// Height and normal over the same places.
 template <HeightField Field>
 Runner evaluate(const Field& field, const Queries& queries, const Reach& reach) {
-    return {queries.at.size() / reach.a_slice, static_cast<double>(reach.a_slice), [&](std::size_t slice) {
-                for (std::size_t k = slice * reach.a_slice; k < (slice + 1) * reach.a_slice; ++k) {
-                    const auto there = surface_at(field, glm::dvec2{queries.at[k]});
-                    if (there) sum += there->height + there->normal.z;
-                }
-            }};
+    return over(queries, reach, 0, [&](std::size_t k) {
+        const auto there = surface_at(field, glm::dvec2{queries.at[k]});
+        if (there) sum += there->height + there->normal.z;
+    });
 }
 
 /// How far a peer's distances are from the true ones.
@@ -103,7 +119,8 @@ void on(const G& ground, bool with_cgal, Findings& into) {
 
     std::vector<Queries> all;
     for (const Reach& reach : reaches) all.push_back(make_queries(ground, reach, grid, bounded));
-    const auto evaluated = race({evaluate(grid, all[0], reaches[0]), find(grid, all[0], reaches[0])}, rounds);
+    const auto evaluated =
+        race({evaluate(grid, all[0], reaches[0]), find(grid, all[0], reaches[0], 1)}, rounds);
     into.numbers.push_back({"nearest_evaluation",
                             size,
                             evaluated[1].fastest / evaluated[0].fastest,
@@ -113,14 +130,11 @@ void on(const G& ground, bool with_cgal, Findings& into) {
         for (std::size_t r = 0; r < std::size(reaches); ++r) {
             const Reach& reach = reaches[r];
             Queries& queries = all[r];
-            const auto theirs = [&](std::size_t slice) {
-                for (std::size_t k = slice * reach.a_slice; k < (slice + 1) * reach.a_slice; ++k)
-                    peer->follow(&queries.at[k], 1, queries.begin[k], &queries.theirs[k]);
-            };
-            const Runner reference{queries.at.size() / reach.a_slice, static_cast<double>(reach.a_slice),
-                                   theirs};
+            const auto theirs = over(queries, reach, 0, [&](std::size_t k) {
+                peer->follow(&queries.at[k], 1, queries.begin[k], &queries.theirs[k]);
+            });
             const auto paces =
-                race({reference, find(grid, queries, reach), find(bounded, queries, reach)}, rounds);
+                race({theirs, find(grid, queries, reach, 1), find(bounded, queries, reach, 2)}, rounds);
             const std::string errors = errors_of(queries, peer->name(), ground.cell());
             const std::string figure = text(reach.cells) + " cells, " + size + ", " + peer->name();
             for (const bool with_bounds : {false, true}) {

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -77,15 +78,19 @@ double height(const Grid& grid, bool triangles, double x, double y) {
     return patch->p00 + b * (patch->p01 - patch->p00) + a * (patch->p11 - patch->p01);
 }
 
-/// Whether a point of the surface a hundredth of a cell from the proxy is nearer to the device than the proxy is.
+/// Whether from the surface at the proxy a ten-thousandth of a cell to some side leads nearer to the device. (The proxy itself may be
+/// a little above the surface: CHAI3D keeps it there.)
 bool is_off_minimum(const Grid& grid, bool triangles, const chai3d::cVector3d& proxy,
                     const chai3d::cVector3d& device) {
-    const double here = (proxy - device).length(), step = 0.01 * spacing;
+    const auto distance = [&](double x, double y) {
+        return (chai3d::cVector3d(x, y, height(grid, triangles, x, y)) - device).length();
+    };
+    const double here = distance(proxy.x(), proxy.y()), step = 1e-4 * spacing;
     for (int k = 0; k < 32; ++k) {
-        const double x = proxy.x() + step * std::cos(k * 0.19635),
-                     y = proxy.y() + step * std::sin(k * 0.19635);
-        const chai3d::cVector3d beside(x, y, height(grid, triangles, x, y));
-        if ((beside - device).length() < here - 1e-3 * step) return true;
+        const double angle = k * std::numbers::pi / 16;
+        if (distance(proxy.x() + step * std::cos(angle), proxy.y() + step * std::sin(angle)) <
+            here - 1e-3 * step)
+            return true;
     }
     return false;
 }

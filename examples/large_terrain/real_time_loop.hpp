@@ -30,6 +30,7 @@ struct SessionReport {
     demo::Distribution nanoseconds;       ///< an update itself, tracker and force
     demo::Distribution lateness; ///< ns from when the update was due to when the scheduler let it begin
     long page_reads = 0;         ///< faults that waited for the disk (ru_majflt), within updates
+    long thread_page_reads = 0;  ///< the same, within updates and between them
     long page_maps = 0;          ///< faults that did not (ru_minflt), within updates
     bool real_time = false;      ///< ran as SCHED_FIFO
     std::uint64_t answers = 0;   ///< a digest of every contact and force
@@ -74,34 +75,25 @@ inline bool ask_for_real_time() noexcept {
 
 } // namespace detail
 
-/// Runs a session in the calling thread, from `z` down to the ground and along it. The hand presses half a cell deep: it
-/// knows no more of the ground than what it felt in the last update. `helper` may be null.
-template <class Heights>
-[[nodiscard]] SessionReport run_session(const Heights& heights, const Session& session, double z,
-                                        Residency* helper) {
+/// Runs `updates` updates in the calling thread, one a millisecond if it is paced, else as fast as it goes, and writes down
+/// what the clock and the kernel say: `update` is what is timed, `afterwards` what follows it.
+template <class Update, class Afterwards>
+void run_updates(SessionReport& report, std::uint64_t updates, bool paced, Update&& update,
+                 Afterwards&& afterwards) {
     using Clock = std::chrono::steady_clock;
     constexpr std::chrono::milliseconds period{1};
     const auto in_ns = [](auto span) {
         return static_cast<std::uint64_t>(std::max<std::int64_t>(0, span / std::chrono::nanoseconds{1}));
     };
 
-    const hfh::BilinearGrid<double, Heights> grid{heights, session.frame};
-    const glm::dvec2 cell = session.frame.spacing;
-    hfh::ProxyTracker tracker{grid};
-    const hfh::ForceEvaluator<double> force{.stiffness = 500, .max_force = 3.3};
-    Journey journey{heights.columns(), heights.rows(), session.cells_per_second};
-
-    SessionReport report;
-    report.real_time = session.paced && detail::ask_for_real_time();
+    report.real_time = paced && detail::ask_for_real_time();
+    const long reads_of_others = detail::usage_of_this_thread().ru_majflt;
     auto due = Clock::now() + period;
-    for (; report.updates < session.updates; ++report.updates, journey.advance()) {
-        const glm::dvec2 at = journey.at();
-        if (session.paced) std::this_thread::sleep_until(due);
+    for (; report.updates < updates; ++report.updates) {
+        if (paced) std::this_thread::sleep_until(due);
         const rusage before = detail::usage_of_this_thread();
         const auto start = Clock::now();
-        if (helper != nullptr) helper->note({static_cast<hfh::Index>(at.x), static_cast<hfh::Index>(at.y)});
-        const auto contact = tracker.update({at.x * cell.x, at.y * cell.y, z});
-        const auto felt = force(contact);
+        update();
         const auto stop = Clock::now();
 
         const rusage after = detail::usage_of_this_thread();
@@ -122,7 +114,32 @@ template <class Heights>
         report.woken_late += start - due >= period;
         // A late update is not made up for by a burst of others: the clock starts anew from it.
         due = std::max(due + period, stop);
+        afterwards();
+    }
+    report.thread_page_reads = detail::usage_of_this_thread().ru_majflt - reads_of_others;
+}
 
+/// Runs a session in the calling thread, from `z` down to the ground and along it. The hand presses half a cell deep: it
+/// knows no more of the ground than what it felt in the last update. `helper` may be null.
+template <class Heights>
+[[nodiscard]] SessionReport run_session(const Heights& heights, const Session& session, double z,
+                                        Residency* helper) {
+    const hfh::BilinearGrid<double, Heights> grid{heights, session.frame};
+    const glm::dvec2 cell = session.frame.spacing;
+    hfh::ProxyTracker tracker{grid};
+    const hfh::ForceEvaluator<double> force{.stiffness = 500, .max_force = 3.3};
+    Journey journey{heights.columns(), heights.rows(), session.cells_per_second};
+
+    SessionReport report;
+    hfh::Contact<double> contact;
+    hfh::Force<double> felt;
+    const auto update = [&] {
+        const glm::dvec2 at = journey.at();
+        if (helper != nullptr) helper->note({static_cast<hfh::Index>(at.x), static_cast<hfh::Index>(at.y)});
+        contact = tracker.update({at.x * cell.x, at.y * cell.y, z});
+        felt = force(contact);
+    };
+    run_updates(report, session.updates, session.paced, update, [&] {
         report.in_contact += contact.touching();
         for (int k = 0; k < 3; ++k) {
             detail::digest(report.answers, contact.proxy[k]);
@@ -136,7 +153,8 @@ template <class Heights>
                    hfh::ContactStatus::buried) { // came in from a hole: up, to come down from outside
             z += 2 * cell.x;
         }
-    }
+        journey.advance();
+    });
     return report;
 }
 

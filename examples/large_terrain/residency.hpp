@@ -1,7 +1,7 @@
 #ifndef LARGE_TERRAIN_RESIDENCY_HPP
 #define LARGE_TERRAIN_RESIDENCY_HPP
 
-#include "page_ranges.hpp"
+#include "page_reader.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -29,13 +29,23 @@ struct ResidencyReport {
 [[nodiscard]] hfh::Cell foresee(hfh::Cell before, hfh::Cell here, double elapsed,
                                 const ResidencySettings& settings) noexcept;
 
+/// A cell's numbers, of which 32 bits each are kept, in one word that two threads may share.
+[[nodiscard]] inline std::uint64_t pack(hfh::Cell c) noexcept {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(c.i)) << 32 |
+           static_cast<std::uint32_t>(c.j);
+}
+[[nodiscard]] inline hfh::Cell unpack(std::uint64_t bits) noexcept {
+    return {static_cast<std::int32_t>(bits >> 32), static_cast<std::int32_t>(bits)};
+}
+
 /// Keeps the memory-mapped samples around the stylus in memory, so that a haptic update never waits for the disk.
 ///
 /// A second thread of low priority looks every few milliseconds where the stylus is, takes its velocity from where it
 /// was the last time, and has the kernel read and map the pages of the box around here and the place foreseen. A round
 /// asks for at most 2·margin + most_ahead + 2 rows. Pages are never locked or given back: the kernel does that.
 ///
-/// The haptic thread does one relaxed store an update: it cannot be made to wait.
+/// The haptic thread does one relaxed store an update: it cannot be made to wait. For one level of detail;
+/// `LevelResidency` is for all of them.
 class Residency {
 public:
     /// Brings in the neighbourhood of the first position, waiting for the disk, and starts the thread. The mapping must
@@ -55,20 +65,12 @@ public:
     [[nodiscard]] const ResidencyReport& report() const noexcept { return report_; }
 
 private:
-    static std::uint64_t pack(hfh::Cell c) noexcept {
-        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(c.i)) << 32 |
-               static_cast<std::uint32_t>(c.j);
-    }
-    static hfh::Cell unpack(std::uint64_t bits) noexcept {
-        return {static_cast<std::int32_t>(bits >> 32), static_cast<std::int32_t>(bits)};
-    }
     void run();
     void bring_in(hfh::Cell here, hfh::Cell there);
 
     SampleLayout layout_;
     ResidencySettings settings_;
-    std::uintptr_t page_;
-    bool can_populate_ = true; ///< until the kernel says no
+    PageReader pages_;
     std::atomic<std::uint64_t> position_{0};
     std::atomic<bool> stopping_{false};
     ResidencyReport report_;

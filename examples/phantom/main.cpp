@@ -5,6 +5,7 @@
 #include "phantom_device.hpp"
 #include "reconnect.hpp"
 #include "scene.hpp"
+#include "sentences.hpp"
 
 #include <hfh/terrain/extended_field.hpp>
 
@@ -35,29 +36,9 @@ extern "C" void ask_to_end(int signal) {
     std::signal(signal, SIG_DFL); // a second one ends the program at once
 }
 
-const char* name_of(hfh::DeviceEnd end) {
-    switch (end) {
-    case hfh::DeviceEnd::stopped: return "stopped";
-    case hfh::DeviceEnd::not_available: return "no device, or it did not start";
-    case hfh::DeviceEnd::force_fault: return "the device refused to render forces";
-    case hfh::DeviceEnd::lost: return "the connection broke";
-    case hfh::DeviceEnd::fault: return "the device failed";
-    }
-    return "unknown";
-}
-
 /// Why there is no force, or no terrain, under the hand.
 const char* say(const phantom::Report& report, const phantom::Shown& shown) {
-    switch (report.withheld) {
-    case phantom::Withheld::none: break;
-    case phantom::Withheld::force_error: return "too much force or speed: no force for now";
-    case phantom::Withheld::warm_motors: return "the motors are warm: no force until they have cooled";
-    case phantom::Withheld::device_fault: return "a device fault: no force until the driver has recovered";
-    case phantom::Withheld::calibration:
-        return report.calibration == phantom::Calibration::needs_user
-                   ? "wants to be calibrated: put the stylus into its inkwell, or use the maker's tool"
-                   : "wants to be calibrated: no force until it is";
-    }
+    if (const char* why = phantom::sentence(report); *why != '\0') return why;
     if (*hint(shown.place) != '\0') return hint(shown.place);
     return shown.trip != hfh::GuardTrip::none ? to_string(shown.trip) : "";
 }
@@ -100,8 +81,8 @@ hfh::DeviceEnd touch(Device& device, const Hills& grid, double until) {
     const auto report = device.report();
     std::printf("\n%s; %lu updates, %lu late (%.2f ms at most), longest tick %.3f ms, %lu force errors, %lu "
                 "device faults, last error 0x%04x\n",
-                name_of(end), report.updates, report.late, 1e3 * report.latest, 1e3 * report.longest_tick,
-                report.force_errors, report.device_faults, report.last_error);
+                phantom::sentence(end), report.updates, report.late, 1e3 * report.latest,
+                1e3 * report.longest_tick, report.force_errors, report.device_faults, report.last_error);
     for (int k = 1; k < hfh::guard_trip_count; ++k)
         if (const unsigned n = scene.counts().trips[k]; n > 0)
             std::printf("guard: %s %u times\n", to_string(static_cast<hfh::GuardTrip>(k)), n);

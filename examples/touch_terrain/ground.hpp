@@ -16,8 +16,8 @@ struct Ground {
     std::function<double(glm::dvec2)> height; ///< metres; NaN in holes and beyond the border
 };
 
-/// `terrain` must outlive what is returned.
-[[nodiscard]] Ground ground_of(const Terrain& terrain, const hfh::GridFrame& frame);
+/// `terrain` must outlive what is returned. Holes up to `bridge` cells wide are spanned.
+[[nodiscard]] Ground ground_of(const Terrain& terrain, const hfh::GridFrame& frame, hfh::Index bridge = 0);
 
 } // namespace demo
 

@@ -56,7 +56,7 @@ void run(const Options& options) {
     if (options.picture) require_gnuplot();
     const Terrain terrain = terrain_of(options);
     const hfh::GridFrame frame = frame_of(terrain, options);
-    const Ground ground = ground_of(terrain, frame);
+    const Ground ground = ground_of(terrain, frame, options.bridge);
 
     std::optional<StylusPathFile> file;
     std::vector<StylusSample> stroke;
@@ -86,6 +86,7 @@ void run(const Options& options) {
     Feeling feeling{.loop = {.material = {.stiffness = setup.stiffness}, .tracker = {}, .lag = 0},
                     .guarded = false};
     if (device) feeling = {device->loop(), true};
+    feeling.bridge = options.bridge;
     const auto done = [&] {
         return device ? device->progress()
                : file ? file->progress()

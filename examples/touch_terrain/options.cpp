@@ -1,6 +1,7 @@
 #include "options.hpp"
 
 #include "command_options.hpp"
+#include "numbers.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -16,13 +17,20 @@ DeviceChoice device_from(const std::string& text) {
     refuse("--device", text, "touch, premium or none");
 }
 
+hfh::Index width_from(const std::string& text) {
+    const auto cells = parse_number<int>(text);
+    if (!cells || *cells < 2 || *cells > 1000)
+        refuse("--bridge", text, "a whole number of cells from 2 to 1000");
+    return *cells;
+}
+
 } // namespace
 
 std::optional<Options> read_options(int argc, const char* const* argv) {
     CLI::App app{"Touches a terrain along a path of the stylus, and says what is felt.", "touch_terrain"};
     Options options;
     TerrainCommandLine terrain{app};
-    std::string path, device, stiffness, record, picture;
+    std::string path, device, stiffness, record, picture, bridge;
     app.add_option("--path", path,
                    "Positions of the stylus, header t,x,y,z, in seconds and metres from the south-west "
                    "sample. Default: a stroke across the terrain, 20 s at 1 kHz")
@@ -45,6 +53,9 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     app.add_option("--picture", picture,
                    "Draws the path on the terrain and the force over time (needs gnuplot)")
         ->type_name("FILE.png");
+    app.add_option("--bridge", bridge,
+                   "Spans holes up to so many cells wide from the heights around them, 2 to 1000")
+        ->type_name("CELLS");
     app.add_flag("--float", options.in_float, "Computes in float instead of double");
 
     if (!read_command_line(app, argc, argv)) return std::nullopt;
@@ -59,6 +70,8 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
         options.device = DeviceChoice::none;
     }
     if (app.count("--stiffness") != 0) options.stiffness = number_from("--stiffness", stiffness, false);
+
+    if (app.count("--bridge") != 0) options.bridge = width_from(bridge);
 
     refuse_same_file("--record", options.record, "--picture", options.picture);
     refuse_same_file("--path", options.path, "--record", options.record);

@@ -17,6 +17,7 @@ struct Options : TerrainOptions {
     std::optional<double> stiffness;
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> picture;
+    hfh::Index bridge = 0; ///< cells: holes up to this width are spanned
     bool in_float = false;
 };
 

@@ -39,6 +39,7 @@ struct Feeling {
     /// False: the stylus is in nobody's hand and feels what the terrain asks for, whatever a guard says. No force moves it,
     /// none can hurt, and its path may be of any speed.
     bool guarded = true;
+    hfh::Index bridge = 0; ///< cells: holes up to this width are spanned
 };
 
 /// Moves the stylus along `path` over the terrain, one update a step, and hands the force to `feel` and every touch to

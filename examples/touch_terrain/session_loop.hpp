@@ -6,6 +6,7 @@
 #include "session.hpp"
 
 #include <hfh/hfh.hpp>
+#include <hfh/terrain/bridged_field.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -27,20 +28,12 @@ namespace demo {
                              : "none";
 }
 
-/// The session for one type of sample.
-template <hfh::Real T, class HeightSource>
-Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, const Feeling& feeling,
-               const StepSource& path, const ForceSink& feel,
-               const std::function<void(const Touch&)>& on_touch) {
+/// The session on one type of field.
+template <hfh::HeightField Field>
+Summary follow_on(const Field& field, const Feeling& feeling, const StepSource& path, const ForceSink& feel,
+                  const std::function<void(const Touch&)>& on_touch) {
     using Clock = std::chrono::steady_clock;
-
-    const hfh::BilinearGrid<T, HeightSource> grid{heights, frame};
-    if (grid.status() != hfh::GridStatus::ok) {
-        throw BadInput{"The terrain makes no surface in " + std::string{sizeof(T) == 4 ? "float" : "double"} +
-                       ": its spacing of " + rounded(frame.spacing.x) + " x " + rounded(frame.spacing.y) +
-                       " m or its height scale of " + rounded(frame.height_scale) + " is out of range."};
-    }
-    hfh::HapticLoop loop{grid, feeling.loop};
+    hfh::HapticLoop loop{field, feeling.loop};
 
     Summary summary;
     summary.state_bytes = sizeof(loop.tracker().state());
@@ -49,7 +42,7 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, const F
         const hfh::DeviceCommand command = loop.update(step->sample);
         const auto stop = Clock::now();
 
-        const hfh::Contact<T>& contact = loop.contact();
+        const auto& contact = loop.contact();
         const bool buried = contact.status == hfh::ContactStatus::buried;
         const hfh::GuardedForce felt = feeling.guarded ? loop.force() : hfh::GuardedForce{loop.asked()};
         feel(command.newtons, buried);
@@ -73,6 +66,21 @@ Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, const F
     }
     summary.guard = loop.guard().counts();
     return summary;
+}
+
+/// The session for one type of sample.
+template <hfh::Real T, class HeightSource>
+Summary follow(const HeightSource& heights, const hfh::GridFrame& frame, const Feeling& feeling,
+               const StepSource& path, const ForceSink& feel,
+               const std::function<void(const Touch&)>& on_touch) {
+    const hfh::BilinearGrid<T, HeightSource> grid{heights, frame};
+    if (grid.status() != hfh::GridStatus::ok) {
+        throw BadInput{"The terrain makes no surface in " + std::string{sizeof(T) == 4 ? "float" : "double"} +
+                       ": its spacing of " + rounded(frame.spacing.x) + " x " + rounded(frame.spacing.y) +
+                       " m or its height scale of " + rounded(frame.height_scale) + " is out of range."};
+    }
+    if (feeling.bridge == 0) return follow_on(grid, feeling, path, feel, on_touch);
+    return follow_on(hfh::BridgedField{grid, feeling.bridge}, feeling, path, feel, on_touch);
 }
 
 } // namespace demo

@@ -18,6 +18,21 @@ const hfh::DeviceModel& model_of(DeviceKind kind) noexcept {
     return kind == DeviceKind::premium ? hfh::simulated_premium : hfh::simulated_touch;
 }
 
+/// What the driver of a real device does not tell is a Touch's.
+hfh::DeviceModel model_of(const HapticsSettings& settings) noexcept {
+    hfh::DeviceModel model = model_of(settings.device);
+    if (!settings.real_device) return model;
+    const hfh::DeviceCapabilities touch = model.capabilities;
+    model.capabilities = *settings.real_device;
+    if (!(model.capabilities.max_stiffness > 0)) model.capabilities.max_stiffness = touch.max_stiffness;
+    if (!(model.capabilities.workspace.x > 0)) model.capabilities.workspace = touch.workspace;
+    return model;
+}
+
+double whole_terrain_scale(const hfh::DeviceCapabilities& device, const glm::dvec2& size) noexcept {
+    return std::max(size.x, size.y) / (0.9 * std::max(device.workspace.x, device.workspace.y));
+}
+
 /// The device's limits, for samples that are never late, and behind a virtual coupling.
 hfh::GuardLimits limits_of(const hfh::DeviceCapabilities& device) noexcept {
     hfh::GuardLimits limits = hfh::guard_limits(device);
@@ -28,13 +43,11 @@ hfh::GuardLimits limits_of(const hfh::DeviceCapabilities& device) noexcept {
 } // namespace
 
 double whole_terrain_scale(DeviceKind device, const glm::dvec2& size) noexcept {
-    const glm::dvec3& space = model_of(device).capabilities.workspace;
-    return std::max(size.x, size.y) / (0.9 * std::max(space.x, space.y));
+    return whole_terrain_scale(model_of(device).capabilities, size);
 }
 
 Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
-    : ground_{&ground}, settings_{std::move(settings)}, cell_{settings_.cell}, model_{model_of(
-                                                                                   settings_.device)},
+    : ground_{&ground}, settings_{std::move(settings)}, cell_{settings_.cell}, model_{model_of(settings_)},
       workspace_{{}}, guard_{limits_of(model_.capabilities)}, mouse_{hfh::HandGrip{}.stiffness,
                                                                      glm::dvec3{0.0}} {
     show_whole_terrain();
@@ -47,7 +60,7 @@ Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
         wanted_ = mouse_.update(told_, 0, told_.feel.stiffness, period());
         wanted_.z = 0.02;
     }
-    if (settings_.device != DeviceKind::none)
+    if (settings_.device == DeviceKind::touch || settings_.device == DeviceKind::premium)
         device_.emplace(model_, hfh::HandGrip{}, Wanted{&wanted_}, std::numeric_limits<double>::infinity());
     publish(wanted_, workspace_.to_terrain(wanted_), {});
 }
@@ -57,7 +70,7 @@ double Haptics::default_stiffness() const noexcept {
 }
 
 void Haptics::show_whole_terrain() noexcept {
-    const double scale = whole_terrain_scale(settings_.device, settings_.size);
+    const double scale = whole_terrain_scale(model_.capabilities, settings_.size);
     const glm::dvec2 middle = settings_.size / 2.0;
     double height = ground_->height(middle);
     for (int k = 1; std::isnan(height) && k < 64; ++k) // a hole: some other place
@@ -89,10 +102,31 @@ void Haptics::tick() noexcept {
         hand = workspace_.to_hand(stylus);
         felt = feel({.time = static_cast<double>(updates_) * period(), .position = hand}, stylus);
     }
-    paint();
+    paint(told_.pressing);
     ++updates_;
     state_.microseconds = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
     publish(hand, stylus, felt);
+}
+
+hfh::DeviceCommand Haptics::update(const hfh::DeviceSample& sample) noexcept {
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    take_input();
+    if (sample.force_refused) ground_->reset();
+    const bool clutch = (sample.buttons & 1u) != 0;
+    wanted_ = sample.position;
+    const glm::dvec3 stylus = workspace_.update(sample.position, clutch);
+    hfh::GuardedForce felt = feel(sample, stylus);
+    if (clutch) { // no force meanwhile, and the ramp afterwards
+        guard_.restart();
+        felt = {};
+    }
+    newtons_ = felt.newtons;
+    paint(told_.pressing || (sample.buttons & 2u) != 0);
+    ++updates_;
+    state_.microseconds = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+    publish(sample.position, stylus, felt);
+    return {felt.newtons};
 }
 
 void Haptics::end() noexcept {
@@ -203,9 +237,9 @@ hfh::GuardedForce Haptics::feel(const hfh::DeviceSample& sample, const glm::dvec
 }
 
 /// Digs and heaps where the hand presses, as much as it presses.
-void Haptics::paint() noexcept {
+void Haptics::paint(bool presses) noexcept {
     SampleRange changed;
-    const bool wants = told_.brush.kind != BrushKind::none && contact_.touching() && told_.pressing;
+    const bool wants = told_.brush.kind != BrushKind::none && contact_.touching() && presses;
     if (wants && !painting_) ground_->begin_stroke();
     painting_ = wants;
     if (wants) {

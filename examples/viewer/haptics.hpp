@@ -19,14 +19,15 @@
 
 namespace viewer {
 
-enum class DeviceKind : unsigned char { touch, premium, none };
+enum class DeviceKind : unsigned char { touch, premium, none, phantom };
 
 struct HapticsSettings {
     DeviceKind device = DeviceKind::touch;
-    std::optional<double> stiffness;      ///< N/m at the hand; none: the device's
-    std::vector<demo::StylusSample> path; ///< in the terrain; empty: the pointer moves the hand
-    glm::dvec2 size{0.0};                 ///< m of terrain, from the south-west sample to the north-east one
-    double cell = 1;                      ///< m of terrain between samples
+    std::optional<double> stiffness;                    ///< N/m at the hand; none: the device's
+    std::optional<hfh::DeviceCapabilities> real_device; ///< of a `phantom`
+    std::vector<demo::StylusSample> path;               ///< in the terrain; empty: the pointer moves the hand
+    glm::dvec2 size{0.0}; ///< m of terrain, from the south-west sample to the north-east one
+    double cell = 1;      ///< m of terrain between samples
 };
 
 /// m of terrain per m of hand at which all of a terrain of `size` (m) is within the device's reach.
@@ -36,7 +37,7 @@ struct HapticsSettings {
 /// and comes from the display without waiting.
 ///
 /// A simulated device is held by a hand that wants to be where the pointer or a path says. Or there is no device, and the
-/// stylus is where the hand wants to be, whatever the force.
+/// stylus is where the hand wants to be, whatever the force. Or the hand is a person's, and holds a real device.
 class Haptics {
 public:
     using Rows = RowQueue<demo::Touch, 8192>;
@@ -46,6 +47,9 @@ public:
 
     /// One update of the simulated device, or of a stylus without one.
     void tick() noexcept;
+    /// One update of a real device, in place of `tick`. Its first button moves the hand without the stylus, its second one is
+    /// as good as a press for the brush.
+    hfh::DeviceCommand update(const hfh::DeviceSample& sample) noexcept;
 
     /// After the last update: no force any more.
     void end() noexcept;
@@ -58,6 +62,8 @@ public:
     /// Once no update runs any more.
     [[nodiscard]] const hfh::GuardCounts& guard_counts() const noexcept { return guard_.counts(); }
     [[nodiscard]] static constexpr double period() noexcept { return 1e-3; }
+    /// Whether a real device is expected to call `update`.
+    [[nodiscard]] bool is_in_a_hand() const noexcept { return settings_.device == DeviceKind::phantom; }
     /// N/m at the hand, by default.
     [[nodiscard]] double default_stiffness() const noexcept;
 
@@ -72,7 +78,7 @@ private:
     void change_scale() noexcept;
     void change_level() noexcept;
     void move_hand() noexcept;
-    void paint() noexcept;
+    void paint(bool presses) noexcept;
     hfh::GuardedForce feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept;
     void publish(const glm::dvec3& hand, const glm::dvec3& stylus, const hfh::GuardedForce& felt) noexcept;
     void show_whole_terrain() noexcept;

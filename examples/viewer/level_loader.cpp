@@ -1,5 +1,7 @@
 #include "level_loader.hpp"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -26,15 +28,17 @@ float steepness(const std::vector<LevelVertex>& vertices) noexcept {
 
 } // namespace
 
-std::optional<float> LoadedLevels::height_near(const glm::dvec2& at, int n) const noexcept {
+std::optional<float> LoadedLevels::height_at(const glm::dvec2& at, int n) const noexcept {
     for (const auto& level : levels) {
-        const glm::dvec2 vertex = at / std::exp2(level->level);
-        const hfh::Index a = std::llround(vertex.x) - level->origin.i,
-                         b = std::llround(vertex.y) - level->origin.j;
-        if (a < 0 || b < 0 || a >= n || b >= n) continue;
-        const LevelVertex& v = level->vertices[static_cast<std::size_t>(b * n + a)];
-        if (v.coarse_slope.y >= no_cell / 2) return std::nullopt;
-        return v.height;
+        const glm::dvec2 vertex = at / std::exp2(level->level), corner = glm::floor(vertex);
+        const hfh::Index a = static_cast<hfh::Index>(corner.x) - level->origin.i,
+                         b = static_cast<hfh::Index>(corner.y) - level->origin.j;
+        if (a < 0 || b < 0 || a + 1 >= n || b + 1 >= n) continue;
+        const LevelVertex* const row = &level->vertices[static_cast<std::size_t>(b * n + a)];
+        if (row->coarse_slope.y >= no_cell / 2) return std::nullopt;
+        const glm::vec2 part{vertex - corner};
+        return glm::mix(glm::mix(row[0].height, row[1].height, part.x),
+                        glm::mix(row[n].height, row[n + 1].height, part.x), part.y);
     }
     return std::nullopt;
 }

@@ -28,9 +28,9 @@ struct LoadedLevels {
     std::uint64_t edit = 0;         ///< of `LevelRequest`
     std::uint64_t samples_read = 0; ///< total
 
-    /// The height of the vertex nearest to a place (samples), of the finest window that has it: m above the datum. Empty where
-    /// none has it, or it is a hole. n: vertices along a side of a window.
-    [[nodiscard]] std::optional<float> height_near(const glm::dvec2& at, int n) const noexcept;
+    /// The height at a place (samples), of the finest window that has it: m above the datum. Empty where none has it, or it is
+    /// a hole. n: vertices along a side of a window.
+    [[nodiscard]] std::optional<float> height_at(const glm::dvec2& at, int n) const noexcept;
 };
 
 /// What the display wants to be loaded.

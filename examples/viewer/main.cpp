@@ -1,6 +1,7 @@
 #include "haptic_thread.hpp"
 #include "offscreen.hpp"
 #include "options.hpp"
+#include "real_device.hpp"
 #include "screenshot.hpp"
 #include "viewer.hpp"
 #include "window.hpp"
@@ -13,10 +14,13 @@
 #include <stroke.hpp>
 #include <terrain_files.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <string>
 
 namespace viewer {
 namespace {
@@ -43,6 +47,7 @@ struct Program {
     explicit Program(const Options& asked);
 
     Options options;
+    std::unique_ptr<RealDevice> device;
     std::optional<TouchedTerrain> touched;
     std::optional<demo::Record> record;
     std::optional<demo::OutputFile> screenshot;
@@ -57,6 +62,10 @@ Program::Program(const Options& asked) : options{asked} {
     settings.device = options.device;
     settings.stiffness = options.stiffness;
     const hfh::GridFrame frame = demo::frame_of(terrain, options);
+    if (options.device == DeviceKind::phantom) {
+        device = open_phantom();
+        settings.real_device = device->capabilities();
+    }
     if (options.path)
         settings.path = path_from(*options.path);
     else if (options.screenshot)
@@ -74,7 +83,8 @@ void draw_screenshot(Program& program) {
     const OffscreenContext context;
     const glm::ivec2 size = program.options.size;
     const OffscreenFrame target{size, 4}, picture{size};
-    Viewer viewer{*program.touched, window_size(), 1.0f};
+    // Text as large as in a window of an ordinary screen, however large the picture is.
+    Viewer viewer{*program.touched, window_size(), std::max(1.0f, static_cast<float>(size.y) / 900)};
     if (program.record) viewer.record_to(&*program.record);
     constexpr double seconds = 1.0 / 30;
     const std::uint64_t frames = program.options.frames.value_or(300);
@@ -88,13 +98,52 @@ void draw_screenshot(Program& program) {
     write_png(*program.screenshot, read_colours(size), size);
 }
 
+/// What calls the updates of the hand: a clock, or the driver of a real device.
+class Loop {
+public:
+    explicit Loop(Program& program) : program_{&program} {}
+    ~Loop() { stop(); }
+    Loop(const Loop&) = delete;
+    Loop& operator=(const Loop&) = delete;
+
+    void start() {
+        if (is_on_) return;
+        is_on_ = true;
+        Haptics& hand = program_->touched->haptics;
+        if (program_->device)
+            program_->device->start([&](const hfh::DeviceSample& sample) { return hand.update(sample); });
+        else
+            clock_.emplace([&] { hand.tick(); });
+    }
+    void tell(Viewer& viewer) const {
+        if (clock_) viewer.set_real_time(clock_->is_real_time());
+        if (!is_on_ || !program_->device) return;
+        if (const std::string trouble = program_->device->trouble(); !trouble.empty()) viewer.say(trouble);
+    }
+    /// No force any more.
+    void stop() {
+        if (clock_) clock_->stop();
+        if (program_->device) program_->device->stop();
+        program_->touched->haptics.end();
+    }
+    /// After `stop`.
+    [[nodiscard]] std::string report() const {
+        if (program_->device) return program_->device->report();
+        return clock_ ? viewer::report(clock_->punctuality()) : "";
+    }
+
+private:
+    Program* program_;
+    bool is_on_ = false;
+    std::optional<HapticThread> clock_;
+};
+
 void run_in_window(Program& program) {
     Window window{program.touched->terrain.name + " - hfh viewer", program.options.size};
     Viewer viewer{*program.touched, window_size(), window.pixels()};
     if (program.record) viewer.record_to(&*program.record);
     const Window::LayerInput layer_input{window};
-    // The hand begins once there is ground in memory under it.
-    std::optional<HapticThread> haptic;
+    Loop loop{program};
     std::uint64_t frames = 0;
     const auto start = Clock::now();
     auto last = start;
@@ -103,8 +152,9 @@ void run_in_window(Program& program) {
         const auto now = Clock::now();
         const double seconds = std::chrono::duration<double>(now - last).count();
         last = now;
-        if (!haptic && viewer.levels()) haptic.emplace([&] { program.touched->haptics.tick(); });
-        if (haptic) viewer.set_real_time(haptic->is_real_time());
+        // The hand begins once there is ground in memory under it.
+        if (viewer.levels()) loop.start();
+        loop.tell(viewer);
         const glm::ivec2 size = window.size();
         (void)viewer.frame(input, glm::max(size, 1), seconds, false);
         if (size.x > 0 && size.y > 0)
@@ -113,11 +163,10 @@ void run_in_window(Program& program) {
             window.wait();
         ++frames;
     }
-    if (haptic) haptic->stop();
-    program.touched->haptics.end();
+    loop.stop();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    demo::print((haptic ? report(haptic->punctuality()) : "") + "frames          " + demo::grouped(frames) +
-                ", " + demo::rounded(static_cast<double>(frames) / seconds) + " a second\n");
+    demo::print(loop.report() + "frames          " + demo::grouped(frames) + ", " +
+                demo::rounded(static_cast<double>(frames) / seconds) + " a second\n");
 }
 
 std::string guard_line(const hfh::GuardCounts& counts) {

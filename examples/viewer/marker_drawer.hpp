@@ -26,7 +26,8 @@ struct TouchMarkers {
     glm::dvec3 newtons{0.0};
     bool touching = false;
     bool over_ground = false;
-    double pixel = 1; ///< how many pixels of the framebuffer a pixel of the markers is: high-DPI screens
+    double pixel =
+        1; ///< how many pixels of the framebuffer a pixel of the markers is: more in large pictures
 };
 
 /// Draws the stylus as a pen whose tip is the device's point, the proxy as a ball, the penetration as a thin line between

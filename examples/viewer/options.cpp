@@ -15,7 +15,8 @@ DeviceKind device_from(const std::string& text) {
     if (text == "touch") return DeviceKind::touch;
     if (text == "premium") return DeviceKind::premium;
     if (text == "none") return DeviceKind::none;
-    demo::refuse("--device", text, "touch, premium or none");
+    if (text == "phantom") return DeviceKind::phantom;
+    demo::refuse("--device", text, "touch, premium, phantom or none");
 }
 
 int pixels_from(std::string_view text, const std::string& whole) {
@@ -48,8 +49,9 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     app.add_option("--device", device,
                    "touch or premium: a simulated device in the hand, which gives way to the force. none: "
                    "the stylus is "
-                   "where the hand wants to be, whatever the force"
-                   ". Default: touch")
+                   "where the hand wants to be, whatever the force. phantom: your own, in place of the "
+                   "mouse, where the "
+                   "OpenHaptics SDK was found. Default: touch")
         ->type_name("DEVICE");
     app.add_option("--stiffness", stiffness,
                    "Newtons per metre of depth in the hand. Default: 0.8 of the device's")
@@ -80,6 +82,10 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     if (app.count("--stiffness") != 0) options.stiffness = demo::number_from("--stiffness", stiffness, false);
     if (app.count("--frames") != 0) options.frames = frames_from(frames);
     if (app.count("--size") != 0) options.size = size_from(size);
+    if (options.device == DeviceKind::phantom && (options.path || options.screenshot))
+        throw demo::BadInput{
+            std::string{"--device phantom is moved by your hand in a window, and not with "} +
+            (options.path ? "--path." : "--screenshot.")};
     demo::refuse_same_file("--record", options.record, "--screenshot", options.screenshot);
     demo::refuse_same_file("--path", options.path, "--record", options.record);
     demo::refuse_same_file("--path", options.path, "--screenshot", options.screenshot);

@@ -152,7 +152,7 @@ void draw_chart(const ForceHistory& force, const glm::ivec2& size, float pixels)
     const float left = low.x + 34 * pixels, right = high.x - 8 * pixels, bottom = high.y - line - 4 * pixels,
                 top = low.y + line + 6 * pixels;
     const auto y_of = [&](float newtons) { return bottom - (bottom - top) * newtons / most; };
-    list.AddText({low.x + 8 * pixels, low.y + 3 * pixels}, dim, "force, N");
+    list.AddText({left, low.y + 3 * pixels}, dim, "force, N");
     const double step = round_number(static_cast<double>(most) / 2);
     for (double newtons = 0; newtons <= static_cast<double>(most); newtons += step) {
         const float y = y_of(static_cast<float>(newtons));
@@ -293,9 +293,12 @@ void draw_overlay(const OverlayText& text, const ForceHistory& force, const Came
         const ImVec2 whole = board.size();
         board.draw({(static_cast<float>(size.x) - whole.x) / 2, (static_cast<float>(size.y) - whole.y) / 2});
     } else if (text.shows_hint) {
-        draw_centred({"Move the pointer over the ground and hold the left button (or Space) to press down.",
-                      "The wheel zooms about what you touch. H lists the keys."},
-                     0.8f * static_cast<float>(size.y) - 2 * line, size, pixels);
+        draw_centred(
+            {text.in_a_hand
+                 ? "Bring the stylus down to the ground. Its first button moves the hand without it."
+                 : "Move the pointer over the ground and hold the left button (or Space) to press down.",
+             "The wheel zooms about what you touch. H lists the keys."},
+            0.8f * static_cast<float>(size.y) - 2 * line, size, pixels);
     }
     if (!text.message.empty()) draw_centred({text.message}, margin * pixels + 1.2f * line, size, pixels);
 }

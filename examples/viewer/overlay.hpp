@@ -44,6 +44,7 @@ struct OverlayText {
     std::string message; ///< what went wrong or was done last
     bool feet = false;
     bool shows_hint = true;
+    bool in_a_hand = false; ///< a real device moves the stylus, not the pointer
     bool shows_keys = false;
     double lowest = 0, highest = 0; ///< m, of the tints
     std::size_t palette = 0;

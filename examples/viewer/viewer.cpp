@@ -95,7 +95,7 @@ void Viewer::ask_for_levels() {
 /// The eye follows the height of the ground in the middle of the hand's workspace.
 void Viewer::look_at_middle(double share) {
     if (!levels_) return;
-    const auto height = levels_->height_near(glm::dvec2{hand_.offset} / displayed_->spacing, loader_.n());
+    const auto height = levels_->height_at(glm::dvec2{hand_.offset} / displayed_->spacing, loader_.n());
     if (!height) return;
     const double z = (displayed_->datum + static_cast<double>(*height) - hand_.offset.z) / hand_.scale;
     camera_.target.z += (z - camera_.target.z) * share;
@@ -147,7 +147,7 @@ void Viewer::draw_markers(const glm::ivec2& size) {
                          .newtons = hand_.force,
                          .touching = hand_.touching(),
                          .over_ground = hand_.over_ground,
-                         .pixel = static_cast<double>(layer_.pixels())},
+                         .pixel = std::max(static_cast<double>(layer_.pixels()), size.y / 900.0)},
                         camera_, size);
 }
 
@@ -195,6 +195,7 @@ void Viewer::draw_text(const glm::ivec2& size, double seconds) {
                          .message = message_,
                          .feet = settings_.feet,
                          .shows_hint = settings_.shows_hint,
+                         .in_a_hand = haptics_->is_in_a_hand(),
                          .shows_keys = settings_.shows_keys,
                          .lowest = displayed_->datum + static_cast<double>(tints_.x),
                          .highest = displayed_->datum + static_cast<double>(tints_.y),

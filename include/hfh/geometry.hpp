@@ -9,6 +9,7 @@
 #include <hfh/geometry/global_closest_point.hpp>
 #include <hfh/geometry/lattice.hpp>
 #include <hfh/geometry/newton_step.hpp>
+#include <hfh/geometry/patch_minima.hpp>
 #include <hfh/geometry/safeguarded_step.hpp>
 #include <hfh/geometry/scalar.hpp>
 #include <hfh/geometry/surface_point.hpp>

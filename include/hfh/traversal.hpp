@@ -8,5 +8,9 @@
 #include <hfh/traversal/descent.hpp>
 #include <hfh/traversal/empty_space_skipping.hpp>
 #include <hfh/traversal/first_hit.hpp>
+#include <hfh/traversal/local_closest_points.hpp>
+#include <hfh/traversal/nearest_point.hpp>
+#include <hfh/traversal/reach_search.hpp>
+#include <hfh/traversal/surface_at.hpp>
 
 #endif // HFH_TRAVERSAL_HPP

@@ -74,6 +74,25 @@ TEST_CASE("large_terrain: touches a raster that make_terrain made, with the same
     }
 }
 
+TEST_CASE("large_terrain: zooms in and out while touching, and the thread that feels reads no disk",
+          "[large_terrain]") {
+    const Folder folder;
+    const Run made = folder.run_program(HFH_MAKE_TERRAIN, "small.bil --columns 8192 --rows 6144 --seed 2");
+    REQUIRE(made.code == 0);
+    const Run run = folder.run_program(HFH_LARGE_TERRAIN, "small.bil --zoom 2 --seconds 3");
+    CAPTURE(run.out, run.err);
+    REQUIRE(run.code == 0);
+    CHECK(run.err.empty());
+    CHECK(run.out.starts_with("small.bil, 8192 x 6144 samples, 100,663,296 bytes; "
+                              "zooming from level 9 to level 0 and back, 2 times\n"));
+    CHECK(line_of(run.out, "updates").second == "3,000");
+    CHECK(line_of(run.out, "page faults that read the disk").second == "0");
+    CHECK(line_of(run.out, "  between updates").second == "0");
+    CHECK(line_of(run.out, "in contact") == std::pair<std::string, std::string>{"100", "%"});
+    CHECK(run.out.find("contacts lost: 0 without helper, 0 with helper\n") != std::string::npos);
+    CHECK(run.out.find("level: waited ") != std::string::npos);
+}
+
 TEST_CASE("large_terrain: takes floats, holes and the smallest raster there is", "[large_terrain]") {
     const Folder folder;
     std::vector<float> floats;
@@ -93,6 +112,11 @@ TEST_CASE("large_terrain: takes floats, holes and the smallest raster there is",
         CAPTURE(file, run.out, run.err);
         CHECK(run.code == 0);
         CHECK(line_of(run.out, "updates") == std::pair<std::string, std::string>{"400", "400"});
+        const Run zooms =
+            folder.run_program(HFH_LARGE_TERRAIN, std::string{file} + " --zoom 2 --seconds 0.4");
+        CAPTURE(zooms.out, zooms.err);
+        CHECK(zooms.code == 0);
+        CHECK(line_of(zooms.out, "updates") == std::pair<std::string, std::string>{"400", "400"});
     }
 }
 
@@ -122,6 +146,8 @@ TEST_CASE("large_terrain: refuses bad input in one sentence with file, value and
     refused("good.bil --speed -1", {"--speed", "-1", "from 0 to 10"});
     refused("good.bil --speed nan", {"--speed", "nan", "from 0 to 10"});
     refused("good.bil --look-ahead 1e9", {"--look-ahead", "from 0 to 10000"});
+    refused("good.bil --zoom 0", {"--zoom", "0", "from 1 to 1000"});
+    refused("good.bil --zoom 2 --speed 1", {"--zoom", "--speed"});
     refused("good.bil more.bil", {"more.bil"});
 }
 

@@ -5,12 +5,14 @@
 #include <bad_input.hpp>
 #include <cold_cache.hpp>
 #include <journey.hpp>
+#include <level_residency.hpp>
 #include <memory_map.hpp>
 #include <page_ranges.hpp>
 #include <raster_maker.hpp>
 #include <real_time_loop.hpp>
 #include <residency.hpp>
 #include <terrain.hpp>
+#include <zoom_session.hpp>
 
 #include <chrono>
 #include <random>
@@ -257,6 +259,111 @@ TEST_CASE("large_terrain residency: the thread that feels does not wait for the 
     (void)ground.turn_cold();
     const Residency residency{layout_of(ground.heights), {3000, 250}};
     CHECK(ground.waits_around({3000, 250}, 64) == 0);
+}
+
+TEST_CASE(
+    "large_terrain levels: a level whose samples are not in memory waits for them, and the wait is counted",
+    "[large_terrain]") {
+    const FileOfGround ground;
+    const bool cold = ground.turn_cold();
+    // Of level 4 there are 32 rows of 16 KiB.
+    const LevelResidencySettings settings{.most_change = 100, .whole = 1 << 20};
+    LevelResidency residency{layout_of(ground.heights), {1000, 200}, 1.5, settings};
+    REQUIRE(residency.whole_level() == 4);
+    residency.stop(); // nothing more comes into memory
+    const hfh::Cell here{1000, 200}, far{6000, 300};
+
+    CHECK(residency.level_for(here, here, 1.5) == 1.5);
+    CHECK(residency.level_for(here, here, 1) == 1);
+    CHECK(residency.level_for(here, here, 2.25) == 2.25); // has no other samples than level 1
+    CHECK(residency.level_for(here, here, 6.5) == 6.5);
+    CHECK(residency.level_for(here, here, 99) == 8);
+    CHECK_FALSE(residency.waiting());
+    CHECK(residency.waits().waits == 0);
+
+    CHECK(residency.level_for(here, here, 0.5) == 1); // the nearest
+    CHECK(residency.waiting());
+    CHECK(residency.level_for(far, far, 1.5) == 4);  // the level falls back, at once
+    CHECK(residency.level_for(here, far, 1.5) == 4); // nor is the proxy left out
+    CHECK(residency.level_for(far, here, 5.5) == 5.5);
+    CHECK_FALSE(residency.waiting());
+    CHECK(residency.level_for(far, far, 0) == 4);
+    CHECK(residency.waits().waits == 2);
+    CHECK(residency.waits().updates == 4);
+    CHECK(residency.waits().longest == 3);
+    CHECK(residency.waits().farthest == 4);
+
+    // Within the margin of 64 cells of the level, up to the 24 that an update may read.
+    CHECK(residency.level_for({1000 + 2 * 38, 200}, here, 1.5) == 1.5);
+    CHECK(residency.level_for({1000 + 2 * 42, 200}, here, 1.5) == 4);
+    if (!cold) return;
+    CHECK(ground.waits_around(far, 48) > 0);
+}
+
+TEST_CASE("large_terrain levels: towards the level wanted it is a small step an update", "[large_terrain]") {
+    const FileOfGround ground;
+    const LevelResidencySettings settings{.whole = 1 << 20};
+    LevelResidency residency{layout_of(ground.heights), {1000, 200}, 1, settings};
+    residency.stop();
+    double last = 1;
+    for (int n = 0; n < 300; ++n) {
+        const double level = residency.level_for({1000, 200}, {1000, 200}, n < 150 ? 2.5 : 1);
+        CHECK(std::abs(level - last) <= 0.02 + 1e-12);
+        last = level;
+        if (n == 149) CHECK(level == 2.5);
+    }
+    CHECK(last == 1);
+    CHECK(residency.waits().waits == 0);
+}
+
+TEST_CASE("large_terrain levels: what is answered is in memory, and what is wanted comes",
+          "[large_terrain]") {
+    const FileOfGround ground;
+    if (!ground.turn_cold()) return hfh::test::skip("this file system keeps its files in memory");
+    const LevelResidencySettings settings{.whole = 1 << 20};
+    LevelResidency residency{layout_of(ground.heights), {1000, 200}, 6, settings};
+    using Clock = std::chrono::steady_clock;
+    const auto latest =
+        Clock::now() + std::chrono::seconds{20}; // however late the helper is on a busy machine
+    for (const hfh::Cell here : {hfh::Cell{1000, 200}, hfh::Cell{6000, 300}, hfh::Cell{3500, 100}}) {
+        double level = 8;
+        while (level > 0 && Clock::now() < latest) {
+            level = residency.level_for(here, here, 0);
+            const auto k = static_cast<int>(level);
+            const auto heights = hfh::subsampled(ground.heights, k);
+            const long before = faults_that_read_the_disk();
+            long sum = 0;
+            for (hfh::Index j = -20; j <= 20; ++j) {
+                for (hfh::Index i = -20; i <= 20; ++i) {
+                    sum += heights(std::clamp<hfh::Index>((here.i >> k) + i, 0, heights.columns() - 1),
+                                   std::clamp<hfh::Index>((here.j >> k) + j, 0, heights.rows() - 1));
+                }
+            }
+            CHECK(sum != 0);
+            CHECK(faults_that_read_the_disk() == before);
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        CHECK(level == 0);
+    }
+    residency.stop();
+    CHECK(residency.report().rounds > 0);
+}
+
+TEST_CASE("large_terrain zoom: the same with the helper where nothing waits, and no contact is lost",
+          "[large_terrain]") {
+    const FileOfGround ground;
+    const ZoomSession session{.spacing = {10, 10}, .coarsest = 5, .trips = 2, .paced = false};
+    ZoomingHand alone{ground.heights, session}, helped{ground.heights, session};
+    const ZoomReport without = run_zoom_session(alone, session, nullptr);
+    LevelResidency residency{layout_of(ground.heights), {4095, 255}, 5, {.whole = 1 << 24}};
+    REQUIRE(residency.whole_level() == 0); // a small terrain is kept as it is
+    const ZoomReport with = run_zoom_session(helped, session, &residency);
+    CHECK(without.updates == 8000);
+    CHECK(without.in_contact > 7990);
+    CHECK(without.lost == 0);
+    CHECK(with.answers == without.answers);
+    CHECK(with.waits.waits == 0);
+    CHECK(glm::length(helped.newtons()) > 0.1);
 }
 
 TEST_CASE("large_terrain session: the helper changes no answer, and a long update is counted",

@@ -364,6 +364,19 @@ TEST_CASE("touch_terrain: on a terrain full of holes the hand is never below the
     CHECK(longest < 100);
 }
 
+TEST_CASE("touch_terrain: over radar voids that are bridged the hand stays in contact", "[touch_terrain][real]") {
+    const auto file = hfh::test::shared_file_or_skip("swissalps_voids.bil");
+    if (!file) return;
+    const Folder folder;
+    REQUIRE(folder.run("'" + *file + "' --record out.csv --bridge 16").code == 0);
+    std::size_t touching = 0, updates = 0;
+    for (const Row& row : rows_of(contents(folder / "out.csv"))) {
+        touching += row.contact;
+        ++updates;
+    }
+    CHECK(touching > updates / 10 * 9);
+}
+
 TEST_CASE("touch_terrain: a device goes along any path that fits a scale, and refuses others",
           "[touch_terrain]") {
     const Folder folder;

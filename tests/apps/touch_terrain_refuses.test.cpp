@@ -230,6 +230,8 @@ TEST_CASE("touch_terrain: refuses option values out of range", "[touch_terrain]"
     folder.refuses("good.bil --depth 3", {"--depth"});
     folder.refuses("good.bil another.bil", {"another.bil"});
     folder.refuses("good.bil --stiffness 1 --stiffness 2", {"--stiffness"});
+    for (const std::string bad : {"1", "0", "-3", "2.5", "1001", "x", "''"})
+        folder.refuses("good.bil --bridge " + bad, {"--bridge", "2 to 1000"});
     folder.refuses("good.bil --device omni", {"--device is 'omni'", "touch, premium or none"});
     const Run without_value = folder.run("good.bil --path");
     CHECK(without_value.code == 2);

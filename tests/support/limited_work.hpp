@@ -209,7 +209,8 @@ private:
         ProxyTracker<Field> twin{field_, {.surface = options_.surface}};
         twin.restore(now_.state);
         Unlimited found;
-        for (int n = 0; n < 3; ++n) {
+        // On cliffs Newton's method takes more steps than an update has.
+        for (int n = 0; n < 3 || (judges_rest && is_on_its_way(found.contact) && n < 100); ++n) {
             found.contact = twin.update(stylus);
             found.patches += found.contact.patches;
         }

@@ -27,6 +27,20 @@ TEST_CASE("the viewer refuses what it cannot do in one sentence", "[program]") {
     CHECK(run(folder, "--help").code == 0);
 }
 
+TEST_CASE("a Phantom is refused in one sentence where it cannot be", "[program]") {
+    const Folder folder;
+    for (const char* arguments : {"--device phantom --screenshot a.png", "--device phantom --path a.csv",
+#ifndef HFH_VIEWER_HAS_PHANTOM
+                                  "--device phantom"
+#endif
+         }) {
+        const Run made = run(folder, arguments);
+        INFO(arguments << ": " << made.err);
+        CHECK(made.code == 2);
+        CHECK(is_one_sentence(made.err));
+    }
+}
+
 TEST_CASE("an old context is refused in one sentence", "[program]") {
     const Folder folder;
     // Mesa pretends to be as old as it is told to be.

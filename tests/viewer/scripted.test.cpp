@@ -99,6 +99,30 @@ TEST_CASE("zooming from the whole terrain into one cell and back loses no touch"
     CHECK(largest_step < std::sqrt(3.0) * 0.055e-3 * 1.75 * 400);
 }
 
+TEST_CASE("what is touched stays in the picture, from the whole terrain into one cell and out again",
+          "[scripted]") {
+    const auto context = context_or_skip();
+    if (!context) return;
+    Stage stage{bundled_terrain(), bundled_frame, {320, 200}};
+    stage.shown.hide_text();
+    // Far from the middle, so that the middle of the picture is in other cells than the hand.
+    (void)stage.frames(15, stage.pointing(0.62, 0.6));
+    (void)stage.frames(30, stage.pointing(0.62, 0.6, true));
+    REQUIRE(stage.hand().touching());
+    for (int k = 0; k < 26; ++k) {
+        (void)stage.frames(8, zooming(stage.pointing(0.62, 0.6, true), k < 13 ? 0.1 : -0.1));
+        const viewer::HandState& hand = stage.hand();
+        const glm::dvec3 at = stage.shown.camera().pixel(hand.to_hand(hand.proxy), stage.target.size());
+        INFO("a millimetre of hand is " << 1e-3 * hand.scale << " m; the proxy is at " << at.x << ", "
+                                        << at.y);
+        CHECK(std::abs(at.x - 0.62 * 320) < 60);
+        CHECK(std::abs(at.y - 0.6 * 200) < 60);
+        const auto [seen, count] = find_proxy(stage.target.size());
+        CHECK(count > 10);
+        CHECK(glm::length(seen - glm::dvec2{at}) < 6);
+    }
+}
+
 TEST_CASE("the proxy's marker is on the ground and where the record says", "[scripted]") {
     const auto context = context_or_skip();
     if (!context) return;

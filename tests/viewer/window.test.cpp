@@ -51,13 +51,13 @@ std::vector<Row> rows_of(const std::filesystem::path& file) {
     return rows;
 }
 
-/// How often it was touched. Less than a tenth of a second without touch is one touch.
+/// How often it was touched. A pause of less than a fifth of a second does not count.
 int touches_in(const std::vector<Row>& rows) {
     int touches = 0;
     double last = -1;
     for (const Row& row : rows) {
         if (!row.touches) continue;
-        touches += row.t - last > 0.1;
+        touches += row.t - last > 0.2;
         last = row.t;
     }
     return touches;
@@ -66,13 +66,14 @@ int touches_in(const std::vector<Row>& rows) {
 /// The viewer in a window. Ended, by force if need be, with this.
 class Session {
 public:
-    explicit Session(const std::string& arguments, int dots_per_inch = 96)
+    explicit Session(const std::string& arguments, int dots_per_inch = 96,
+                     const std::string& program = HFH_VIEWER)
         : display{"1000x800x24"}, client{display.name} {
         if (display.name.empty() || !client.is_connected()) return;
         client.set_dots_per_inch(dots_per_inch);
-        const std::string command =
-            "cd '" + folder.root.string() + "' && env -u WAYLAND_DISPLAY DISPLAY=" + display.name +
-            " '" HFH_VIEWER "' --record a.csv " + arguments + " >out.txt 2>err.txt </dev/null";
+        const std::string command = "cd '" + folder.root.string() +
+                                    "' && env -u WAYLAND_DISPLAY DISPLAY=" + display.name + " '" + program +
+                                    "' --record a.csv " + arguments + " >out.txt 2>err.txt </dev/null";
         child_ = ::fork();
         if (child_ == 0) {
             ::setpgid(0, 0);
@@ -175,6 +176,10 @@ TEST_CASE("losing the focus or being minimised in mid-press lets go, and closing
 
     const std::vector<Row> rows = session.rows();
     REQUIRE(rows.size() > 1000);
+    std::string changes;
+    for (std::size_t k = 1; k < rows.size(); ++k)
+        if (rows[k].touches != rows[k - 1].touches) changes += std::to_string(rows[k].t) + " ";
+    INFO("touch begins and ends at " << changes);
     CHECK(touches_in(rows) == 3);
     CHECK(rows.back().touches);
     CHECK(rows.back().newtons > 0.3);
@@ -230,4 +235,42 @@ TEST_CASE("on a screen of scale 2 the window and its text are twice as large", "
     REQUIRE(!rows.empty());
     CHECK(std::abs(rows.back().stylus.x - 11040) < 400);
     CHECK(std::abs(rows.back().stylus.y - 13870) < 400);
+}
+
+TEST_CASE("a Phantom is held in place of the mouse", "[window]") {
+    if (!hfh::test::has_program_or_skip("Xvfb")) return;
+    // The hand of the fake comes down into the ground and up again within a second.
+    Session session{"--device phantom --size 400x300", 96, HFH_VIEWER_WITH_FAKE};
+    if (!is_ready(session)) return;
+    pass(2500);
+    session.client.close();
+    CHECK(session.end() == 0);
+    const std::string out = session.text("out.txt");
+    INFO(out);
+    CHECK(out.find("phantom         stopped; ") != std::string::npos);
+    CHECK(out.find("left at 0.00 N") != std::string::npos);
+    CHECK(out.find("breach") == std::string::npos);
+    const std::vector<Row> rows = session.rows();
+    REQUIRE(rows.size() > 1500);
+    CHECK(touches_in(rows) >= 2);
+    const auto firmest = std::ranges::max_element(rows, {}, &Row::newtons);
+    CHECK(firmest->newtons > 2);
+    CHECK(firmest->newtons < 3.4); // as much as that device gives
+}
+
+TEST_CASE("a Phantom whose connection breaks comes back", "[window]") {
+    if (!hfh::test::has_program_or_skip("Xvfb")) return;
+    ::setenv("HFH_TEST_EVENT", "LOSE", 1);
+    Session session{"--device phantom --size 400x300", 96, HFH_VIEWER_WITH_FAKE};
+    ::unsetenv("HFH_TEST_EVENT");
+    if (!is_ready(session)) return;
+    pass(4000); // it is tried again after half a second, does not start for a second, and then does
+    session.client.close();
+    CHECK(session.end() == 0);
+    const std::string out = session.text("out.txt");
+    INFO(out);
+    CHECK(out.find("phantom         stopped; ") != std::string::npos);
+    const std::vector<Row> rows = session.rows();
+    CHECK(rows.size() > 1000);
+    CHECK(touches_in(rows) >= 2);
 }

@@ -159,7 +159,7 @@ private:
     /// The proxy is on the face that was hit.
     void enter_face(const Hit& hit, Phase phase) noexcept;
     /// After a search from a released minimum that came to no other face: free, or, if it was cut short and the stylus has the
-    /// surface over it, still in contact. Inlined, so that what GCC 12 makes of an update does not depend on what else was
+    /// surface over it, still in contact, unless there is no patch at that minimum any more. Inlined, so that what GCC 12 makes of an update does not depend on what else was
     /// included before.
     [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus, const Hit& hit,
                                                                   const DescentResult<Scalar>& found,
@@ -415,7 +415,8 @@ inline auto ProxyTracker<Field>::end_release(const vec3<Scalar>& stylus, const H
                                              const DescentResult<Scalar>& found, int patches) noexcept
     -> Contact<Scalar> {
     if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
-    if (!has_surface_over(stylus)) return keep_searching(hit.side, stylus, patches);
+    const bool edited_away = found.status == DescentStatus::off_hole;
+    if (edited_away || !has_surface_over(stylus)) return keep_searching(hit.side, stylus, patches);
     return make_contact(stylus, found, ContactStatus::descent_limit, true, patches);
 }
 
@@ -461,9 +462,13 @@ bool ProxyTracker<Field>::has_surface_over(const vec3<Scalar>& stylus) const noe
     const BasicLattice<F>& lattice = field_->lattice();
     const Place at = detail::widen_to<F>(stylus);
     const F u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
-    // On a grid line cells on both sides are over it; beside a hole one of them has no patch.
-    const auto last = Cell{static_cast<Index>(std::floor(u)), static_cast<Index>(std::floor(v))};
-    const Cell first{last.i - (u == static_cast<F>(last.i)), last.j - (v == static_cast<F>(last.j))};
+    // On a grid line, but for the rounding of u and v, cells on both sides are over it; beside a hole one of them has no patch.
+    const auto rounding_of = [](F w) { return 4 * epsilon<F> * (1 + std::abs(w)); };
+    const auto cell_of = [](F column, F row) {
+        return Cell{static_cast<Index>(std::floor(column)), static_cast<Index>(std::floor(row))};
+    };
+    const Cell first = cell_of(u - rounding_of(u), v - rounding_of(v)),
+               last = cell_of(u + rounding_of(u), v + rounding_of(v));
     for (Index j = first.j; j <= last.j; ++j) {
         for (Index i = first.i; i <= last.i; ++i) {
             const auto found = field_->patch({i, j});

@@ -22,6 +22,9 @@
 
 namespace hfh::detail {
 
+/// The squared distance of what was not found. A number, for under -ffast-math nothing is compared with infinity.
+inline constexpr double not_found = std::numeric_limits<double>::max();
+
 /// A patch seen from a query: the query is the origin, in metres.
 struct RelativePatch {
     double x, y;               ///< of corner 00
@@ -75,7 +78,7 @@ inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
 
 /// The closest point of the four edges, which are straight.
 [[nodiscard]] inline RelativePatch::Foot closest_on_edges(const RelativePatch& p) noexcept {
-    RelativePatch::Foot best{.squared = std::numeric_limits<double>::infinity()};
+    RelativePatch::Foot best{.squared = not_found};
     double smallest = best.squared;
     const auto along = [](double start, double rise, double z, double climb) {
         return glm::clamp(-(start * rise + z * climb) / (rise * rise + climb * climb), 0.0, 1.0);
@@ -95,7 +98,7 @@ inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
 
 /// The stationary point with |t| < 1 of the unbounded patch, which is the closest point of that, if it is in the cell. There
 /// is one at most, and none where the query lies on the medial axis; it is not found very near to that either (|t| from 0.999
-/// on). Where none is found the result's `squared` is infinite. With q = S_y and
+/// on). Where none is found the result's `squared` is `not_found`. With q = S_y and
 /// p = S_x there, and G, K, z₀ the slopes and the height over (0, 0):
 ///
 ///     p = (G − t K)/(1 − t²),  q = (K − t G)/(1 − t²),  x = −z p,  y = −z q
@@ -109,7 +112,7 @@ inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
     const double m = patch.twist() * per_x * per_y;
     const double z0 =
         (1 - vq) * ((1 - uq) * patch.z00 + uq * patch.z10) + vq * ((1 - uq) * patch.z01 + uq * patch.z11);
-    RelativePatch::Foot none{.squared = std::numeric_limits<double>::infinity()};
+    RelativePatch::Foot none{.squared = not_found};
     double low = 0, high = z0; // ψ has the sign of z₀ at low, and not at high
     if (std::abs(z0 * m) >= 1) high = std::copysign(1 / std::abs(m), z0);
     double z = z0 / (1 + G * G + K * K);
@@ -183,7 +186,7 @@ private:
     if (shape.certifies(edge.offset.z) && !leads_inward(p, edge)) return edge;
     if (shape.resolved()) {
         const auto inside = secular_foot(p);
-        if (inside.squared < std::numeric_limits<double>::infinity()) return inside;
+        if (inside.squared < not_found) return inside;
     }
     const auto found = global_closest_point(p.patch(), p.query());
     const auto foot = p.foot(found.u, found.v);

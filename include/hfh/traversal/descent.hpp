@@ -32,17 +32,30 @@ enum class DescentStatus : unsigned char {
     return "unknown";
 }
 
+/// Visits to a border without coming nearer to the query, and where they began.
+struct Stalls {
+    unsigned char count = 0;
+    unsigned char place = 0; ///< if `count`: the last four bits of the cell's i and j
+};
+
+/// How a descent goes on.
+enum class DescentResume : unsigned char {
+    start,  ///< it was not cut short
+    step,   ///< with a step in its patch
+    compare ///< by comparing the incident patches
+};
+
 /// Where a descent that was cut short is on its way, so that it goes on in another call with the same query as if it had
 /// not been cut short: to the bit. Made anew where the query is another one. Heights may have been edited meanwhile.
 template <Real T>
 struct DescentProgress {
     /// Smallest |σ|² with which the point was on a border, in m², and visits to a border since then. Along a sharp crease
     /// two patches can hand the point back and forth for the last bits: after 8 visits without coming nearer it has arrived.
+    /// But not if it travels: far below level ground a step of a cell is less than the rounding of |σ|².
     T nearest = std::numeric_limits<T>::max();
-    unsigned char stalls = 0;
+    Stalls stalls{};
     unsigned char steps = 0; ///< taken in this patch
-    bool under_way = false;  ///< the descent was cut short
-    bool compare = false;    ///< it goes on by comparing the incident patches
+    DescentResume resume = DescentResume::start;
 };
 
 template <Real T>
@@ -319,19 +332,33 @@ cross_edge(const Field& field, const vec3<T>& query, SurfacePoint<T>& at, Distan
         T(-way) * (over_u ? g.fu : g.fv) > (over_u ? there.gradient_error_u : there.gradient_error_v);
     if (falls_back || !falls_on || !(squared < progress.nearest)) return false;
     progress.nearest = squared;
-    progress.stalls = 0;
+    progress.stalls = {};
     at = beyond;
     distance = there;
     f = g;
     return true;
 }
 
+/// Counts a visit to a border without coming nearer; from 1 again two cells or more from where the others began.
+[[nodiscard, gnu::noinline]] inline Stalls one_more_stall(Stalls before, Cell at) noexcept {
+    const auto i = static_cast<unsigned>(at.i), j = static_cast<unsigned>(at.j),
+               place = unsigned{before.place};
+    const bool is_near = (i - place + 1) % 16 <= 2 && (j - place / 16 + 1) % 16 <= 2;
+    if (before.count > 0 && is_near) return {static_cast<unsigned char>(before.count + 1), before.place};
+    return {1, static_cast<unsigned char>(i % 16 + 16 * (j % 16))};
+}
+
 /// Counts a visit to a border, |σ|² from the query. True if the point does not come nearer any more.
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline bool has_stalled(DescentProgress<T>& progress, T squared) noexcept {
-    progress.stalls = squared < progress.nearest ? 0 : static_cast<unsigned char>(progress.stalls + 1);
-    progress.nearest = glm::min(progress.nearest, squared);
-    return progress.stalls >= 8;
+[[nodiscard, gnu::always_inline]] inline bool has_stalled(DescentProgress<T>& progress, Cell at,
+                                                          T squared) noexcept {
+    if (squared < progress.nearest) {
+        progress.nearest = squared;
+        progress.stalls = {};
+        return false;
+    }
+    progress.stalls = one_more_stall(progress.stalls, at);
+    return progress.stalls.count >= 8;
 }
 
 /// Begins a descent at a point, |σ|² from the query, or takes it up where it was cut short. True if it goes on by comparing
@@ -340,8 +367,9 @@ template <Real T>
 [[nodiscard, gnu::always_inline]] inline bool take_up(DescentProgress<T>& progress, const SurfacePoint<T>& at,
                                                       const ActiveSet& active, T squared) noexcept {
     // The point is no farther than it was on a border before, unless the ground was edited.
-    if (progress.under_way && squared > (1 + 8 * epsilon<T>)*progress.nearest) progress = {};
-    return on_border(at) && (!progress.under_way || progress.compare || active.is_stationary());
+    if (progress.resume != DescentResume::start && squared > (1 + 8 * epsilon<T>)*progress.nearest)
+        progress = {};
+    return on_border(at) && (progress.resume != DescentResume::step || active.is_stationary());
 }
 
 /// Goes on in the steepest incident patch.
@@ -394,7 +422,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
     auto status = max_patches > 0 ? DescentStatus::minimum : DescentStatus::work_limit;
     while (max_patches > 0) {
         if (compare) [[unlikely]] {
-            if (has_stalled(progress, distance.squared(at.u, at.v, f.z))) break;
+            if (has_stalled(progress, at.cell, distance.squared(at.u, at.v, f.z))) break;
             const auto steepest =
                 steepest_incident_patch(field, query, at, distance, descent_rate(distance, f, at.u, at.v));
             patches += steepest.patches;
@@ -420,8 +448,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
         }
         if (end == PatchEnd::work_limit || patches >= max_patches) [[unlikely]] {
             progress.steps = static_cast<unsigned char>(steps);
-            progress.under_way = true;
-            progress.compare = compare;
+            progress.resume = compare ? DescentResume::compare : DescentResume::step;
             status = DescentStatus::work_limit;
             break;
         }

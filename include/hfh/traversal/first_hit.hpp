@@ -51,8 +51,9 @@ struct BasicFirstHitOptions {
     Side side = Side::none;
     /// ≥ 0: the segment leaves a surface on which a was computed to lie, to `side`, and this many metres are the rounding
     /// of a.z (that of a.x and a.y is added to it). As long as it is no farther off than that, nothing is a crossing, and a
-    /// missing patch is no hole; where a cell begins or ends with the segment farther off, it has left. If it ends on the
-    /// other side without having left, it hits where it entered its last cell. < 0: no.
+    /// missing patch is no hole; where a cell begins or ends with the segment farther off, it has left. Where the segment
+    /// comes to be farther off on the other side, or ends there without having left, it hits where it entered the
+    /// last cell. < 0: no.
     F leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
     /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one
@@ -136,7 +137,7 @@ struct CrossingTest {
             side = sheet ? over.side_of_sheet() : over.side_of_solid();
             if (side == Side::none) return true; // along the sheet: nothing to cross
         }
-        if (leaving && stays_on_surface(over, span.cell)) return true;
+        if (leaving && stays_on_surface(over, span.cell)) return result.status == HitStatus::miss;
         return !crosses(over, span.cell);
     }
 
@@ -208,7 +209,8 @@ private:
     /// While the segment leaves the surface: whether it is still on it, but for the rounding of a.
     [[nodiscard]] bool stays_on_surface(SegmentOverPatch<F>& over, const Cell& cell) noexcept {
         const F sign = sign_of<F>(side), rounding = options.leaves_within + rounding_in_plan(over.patch);
-        const bool off = sign * over.f_in > rounding;
+        const bool off = sign * over.f_in > rounding,
+                   went_under = sign * over.f_out < glm::min(sign * over.f_in, -rounding);
         if (!off) {
             over.f_in = 0;
             const F rise = over.f_out - over.quadratic(); // f'(0) from f₀ = 0
@@ -217,6 +219,7 @@ private:
                 under = sign * over.f_out < 0;
                 result.t = over.t_in;
                 result.point = {cell, static_cast<T>(over.in.x), static_cast<T>(over.in.y)};
+                if (went_under) result.status = HitStatus::hit;
                 return true;
             }
         }

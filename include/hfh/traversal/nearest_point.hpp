@@ -26,6 +26,16 @@ enum class NearestStatus : unsigned char {
     bad_query
 };
 
+[[nodiscard]] constexpr const char* to_string(NearestStatus status) noexcept {
+    switch (status) {
+    case NearestStatus::found: return "found";
+    case NearestStatus::none_within: return "none_within";
+    case NearestStatus::work_limit: return "work_limit";
+    case NearestStatus::bad_query: return "bad_query";
+    }
+    return "unknown";
+}
+
 template <Real T>
 struct NearestOptions {
     /// Metres, from 0 on; +∞ limits nothing. A point counts as within it if it misses it by roundings.
@@ -84,6 +94,7 @@ template <HeightField Field>
 template <Real T>
 [[nodiscard]] double square_of_reach(T distance) noexcept {
     const double d = widen(distance);
+    if (!(is_finite(distance) && d < 1e150)) return not_found;
     return d * d * (1 + 4 * widen(epsilon<T>)) + std::numeric_limits<double>::min();
 }
 
@@ -132,13 +143,12 @@ nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
     if (search.read(cell, nearest)) {
         const auto at = nearest.query();
         over = 0 <= at.u && at.u <= 1 && 0 <= at.v && at.v <= 1;
-        RelativePatch::Foot foot{.squared = std::numeric_limits<double>::infinity()};
+        RelativePatch::Foot foot{.squared = detail::not_found};
         if (over) {
             result.side = nearest.foot(at.u, at.v).offset.z > 0 ? Side::below : Side::above;
             foot = detail::secular_foot(nearest);
         }
-        if (!(foot.squared < std::numeric_limits<double>::infinity()))
-            foot = detail::closest_of_patch(nearest);
+        if (!(foot.squared < detail::not_found)) foot = detail::closest_of_patch(nearest);
         found = foot.squared < best.squared;
         if (found) best = foot;
     }

@@ -1,0 +1,172 @@
+#include "catch.hpp"
+#include "support/random.hpp"
+#include "support/reference.hpp"
+#include "support/terrains.hpp"
+
+#include <hfh/contact/proxy_tracker.hpp>
+#include <hfh/traversal/descent.hpp>
+#include <hfh/traversal/first_hit.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+// Where one number more than is needed to tell two places apart is lost: what fuzzing found.
+
+using namespace hfh;
+using namespace hfh::test;
+
+namespace {
+
+/// How steeply F falls at the end of a descent, in roundings.
+template <Real T>
+[[nodiscard]] Wide fall_at(const Terrain<T>& ground, const SurfacePoint<T>& end, const vec3<T>& query) {
+    return Surface<T>{ground}.template fall<T>(wide(end), wide(query));
+}
+
+} // namespace
+
+TEMPLATE_TEST_CASE("descend: far above or below level ground it goes on until no patch leads down",
+                   "[descent][regression]", float, double) {
+    using T = TestType;
+    // The square of the distance is all height there, and a step of a cell less than its rounding. After eight of them the
+    // point had arrived, wherever it was.
+    Random random{9};
+    const double deepest = sizeof(T) == 4 ? 3e5 : 3e11;
+    int arrived = 0;
+    for (int n = 0; n < 600; ++n) {
+        // Level, tilted by next to nothing, or with bumps.
+        const double tilt = n % 3 == 1 ? 15 / deepest : 0;
+        auto ground = tilted_plane<T>(40, 40, tilt * random.between(-1, 1), tilt * random.between(-1, 1));
+        if (n % 3 == 2) {
+            for (int bump = 0; bump < 9; ++bump) {
+                ground.at(static_cast<Index>(random.whole(1, 38)), static_cast<Index>(random.whole(1, 38))) =
+                    static_cast<T>(random.between(-1, 1));
+            }
+        }
+        const auto grid = ground.grid();
+        const double away = deepest * std::exp(random.between(-6, 0)) * (random.one_in(2) ? 1 : -1);
+        const vec3<T> query{static_cast<T>(random.between(1, 38)), static_cast<T>(random.between(1, 38)),
+                            static_cast<T>(away)};
+        const SurfacePoint<T> start{
+            {static_cast<Index>(random.whole(0, 38)), static_cast<Index>(random.whole(0, 38))},
+            static_cast<T>(random.unit()),
+            static_cast<T>(random.unit())};
+        const auto found = descend(grid, query, start, 8192);
+        if (found.status != DescentStatus::minimum) continue;
+        ++arrived;
+        CAPTURE(n, query.x, query.y, query.z, found.point.cell.i, found.point.cell.j);
+        CHECK(fall_at(ground, found.point, query) <= 64);
+        // In pieces it comes to the same.
+        DescentProgress<T> progress;
+        SurfacePoint<T> at = start;
+        auto piece = hfh::detail::descend_on(grid, query, at, 1, progress);
+        for (int pieces = 0; piece.status == DescentStatus::work_limit && pieces < 8192; ++pieces)
+            piece = hfh::detail::descend_on(grid, query, at = piece.point, 1, progress);
+        CHECK(piece.status == DescentStatus::minimum);
+        CHECK(fall_at(ground, piece.point, query) <= 64);
+    }
+    CHECK(arrived > 300);
+}
+
+TEMPLATE_TEST_CASE("descend: a start that is a denormal length from a grid line is no minimum",
+                   "[descent][regression]", float, double) {
+    using T = TestType;
+    // What a step to the line gains is no number, and none was taken.
+    Random random{10};
+    int arrived = 0;
+    for (int n = 0; n < 2000; ++n) {
+        const double relief = std::exp(random.between(-6, 5));
+        auto ground = rough<T>(8, 8, relief, static_cast<std::uint64_t>(n + 1));
+        if (random.one_in(2)) { // or squares of saddles
+            for (Index j = 0; j < 8; ++j) {
+                for (Index i = 0; i < 8; ++i) ground.at(i, j) = static_cast<T>((i + j) % 2 == 0 ? relief : 0);
+            }
+        }
+        const auto grid = ground.grid();
+        const auto hair = [&] {
+            return static_cast<T>(random.whole(1, 3)) * std::numeric_limits<T>::denorm_min();
+        };
+        const auto share = [&] { return static_cast<T>(random.unit()); };
+        const bool along_u = random.one_in(2);
+        const SurfacePoint<T> start{
+            {static_cast<Index>(random.whole(0, 6)), static_cast<Index>(random.whole(0, 6))},
+            along_u ? hair() : share(),
+            along_u ? share() : hair()};
+        const vec3<T> query{static_cast<T>(random.between(0, 7)), static_cast<T>(random.between(0, 7)),
+                            static_cast<T>(relief * random.between(-0.5, 1.5))};
+        const auto found = descend(grid, query, start, 8192);
+        if (found.status != DescentStatus::minimum) continue;
+        ++arrived;
+        CAPTURE(n, found.point.u, found.point.v);
+        CHECK(fall_at(ground, found.point, query) <= 64);
+    }
+    CHECK(arrived > 1500);
+}
+
+TEMPLATE_TEST_CASE("proxy_tracker: on its way to a stylus on the rim of a hole it is felt at any spacing",
+                   "[proxy_tracker][limited][regression]", float, double) {
+    using T = TestType;
+    // The grid line on which the stylus is, times the inverse of the spacing, was not a whole number of cells, and the cell
+    // on that side was the hole.
+    Random random{11};
+    int on_the_way = 0, unfelt = 0;
+    for (int n = 0; n < 4000; ++n) {
+        const auto spacing = widen(static_cast<T>(std::exp(random.between(-6, 3))));
+        const Index line = static_cast<Index>(random.whole(18, 40));
+        const auto x = static_cast<T>(static_cast<double>(line) * spacing);
+        // A valley with steep sides, whose faces do not hold the stylus.
+        auto made = terrain<T>(60, 4,
+                               [&](Index i, Index) {
+                                   return 2 * spacing *
+                                          static_cast<double>(std::max<Index>(std::abs(i - line) - 3, 0));
+                               },
+                               {.spacing = {spacing, spacing}});
+        if (static_cast<double>(x) != static_cast<double>(line) * spacing)
+            continue; // not on it in this scalar
+        const auto grid = made.grid();
+        const T y = static_cast<T>(1.5 * spacing), up = static_cast<T>(40 * spacing),
+                down = static_cast<T>(-spacing / 2);
+        const double side = n % 2 == 0 ? 1 : -1;
+        const T far = static_cast<T>((static_cast<double>(line) + 16.5 * side) * spacing);
+        ProxyTracker tracker{grid, {.max_patches = 1}};
+        (void)tracker.update({far, y, up});
+        (void)tracker.update({far, y, static_cast<T>(20 * spacing)});
+        // The hole is on the other side of the line.
+        made.at(n % 2 == 0 ? line - 1 : line + 1, 1) = std::numeric_limits<T>::quiet_NaN();
+        const auto contact = tracker.update({x, y, down});
+        if (contact.status != ContactStatus::descent_limit) continue;
+        ++on_the_way;
+        unfelt += !(contact.depth > 0);
+    }
+    CHECK(on_the_way > 100);
+    CHECK(unfelt == 0);
+}
+
+TEMPLATE_TEST_CASE("first_hit: a segment that does not get off a cliff hits it where it left it",
+                   "[first_hit][regression]", float, double) {
+    using T = TestType;
+    // From a cliff to the edge at its top: the hit was at the edge, far above the end of the segment, and a proxy at rest
+    // went away from its stylus.
+    auto ground = plane<T>(5, 5, 204);
+    ground.at(1, 0) = -216;
+    ground.at(1, 1) = 108;
+    const auto grid = ground.grid();
+    for (const double reach : {1e-5, 1e-4, 1e-3, 1e-2}) {
+        for (const double y : {0.0, 0.25, 0.5}) {
+            CAPTURE(reach, y);
+            const double top = 204, below = reach * widen(grid.patch({1, 0})->slope_u(static_cast<T>(y)));
+            const glm::dvec3 from{2 - reach, y, top - below}, to{2, y, top - below};
+            const auto hit =
+                first_hit(grid, from, to,
+                          {.surface = SurfaceKind::sheet, .side = Side::above, .leaves_within = below / 8});
+            REQUIRE(hit.status == HitStatus::hit);
+            const auto patch = widen(*grid.patch(hit.point.cell));
+            const glm::dvec3 met{static_cast<double>(hit.point.cell.i) + widen(hit.point.u),
+                                 static_cast<double>(hit.point.cell.j) + widen(hit.point.v),
+                                 patch.height(widen(hit.point.u), widen(hit.point.v))};
+            CHECK(glm::distance(met, to) <= glm::distance(from, to) + below / 8);
+        }
+    }
+}
