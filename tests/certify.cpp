@@ -107,7 +107,9 @@ void nearest() {
     long queries = 0, wrong = 0, none = 0, sides = 0;
     Wide worst = 0;
     const auto judge = [&](const char* terrain, const Terrain<T>& ground, long share_of_count) {
-        const auto grid = ground.grid();
+        // A lattice in double: the search for the nearest point knows no other.
+        const BilinearGrid<T, HeightView<T>> grid{
+            HeightView<T>{ground.heights.data(), ground.columns, ground.rows}, ground.frame};
         std::vector<SampleRange<T>> storage(
             static_cast<std::size_t>(MinMaxPyramid<T>::size(ground.columns, ground.rows)));
         BoundedGrid bounded{grid, storage.data(), static_cast<Index>(storage.size())};
