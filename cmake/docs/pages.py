@@ -112,6 +112,7 @@ class Site:
 
     def link(self, page, match):
         picture, text, target = match.groups()
+        text = text.replace("`", "")  # Doxygen would show the marks
         if re.match(r"[a-z]+:", target):
             return match[0]
         name, _, anchor = target.partition("#")
@@ -128,11 +129,11 @@ class Site:
                 return f"[{text}](@ref {other.anchors[anchor]})"
             if self.parents.get(path) == page.path and path not in self.below:
                 self.below.add(path)
-                return f'@subpage {other.label} "{text.replace("`", "")}"'
+                return f'@subpage {other.label} "{text}"'
             return f"[{text}](@ref {other.label})"
         if (self.source / path).is_dir():
             return text
-        return self.copied(page, path, self.html / "files" / path, f'<a href="files/{path}">{text.replace("`", "")}</a>', target)
+        return self.copied(page, path, self.html / "files" / path, f'<a href="files/{path}">{text}</a>', target)
 
     def copied(self, page, path, copy, result, target):
         if not (self.source / path).is_file():

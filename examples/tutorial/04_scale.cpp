@@ -14,8 +14,8 @@ int main() {
 
     // 1 cm of the hand is 500 m of the terrain, and the middle of the device lies in the middle of the ground.
     hfh::Workspace<double> workspace{{.scale = 50000, .offset = {5000, 5000, 500}}};
-    const hfh::ForceEvaluator<double> force{.stiffness =
-                                                workspace.terrain_stiffness(400)}; // 400 N/m at the hand
+    const double stiffness = workspace.terrain_stiffness(400); // of the terrain, for 400 N/m at the hand
+    const hfh::ForceEvaluator<double> force{.stiffness = stiffness};
 
     double felt = 0;
     for (const double z : {0.005, -0.001, -0.002}) { // metres, as the device tells them

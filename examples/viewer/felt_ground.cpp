@@ -4,10 +4,7 @@
 
 #include <bad_input.hpp>
 
-#include <hfh/contact/force_shading.hpp>
-#include <hfh/contact/friction.hpp>
 #include <hfh/contact/level_change.hpp>
-#include <hfh/force/damping.hpp>
 #include <hfh/hfh.hpp>
 #include <hfh/terrain/blended_field.hpp>
 
@@ -28,21 +25,15 @@ public:
                 "The terrain makes no surface: its spacing or its height scale is out of range."};
     }
 
-    Felt update(const glm::dvec3& stylus, const glm::dvec3& velocity,
-                const TerrainFeel& feel) noexcept override {
-        Felt felt{tracker_.update(stylus), {}};
-        if (feel.shading) felt.contact = hfh::shade_force(field_, felt.contact);
-        if (feel.friction != friction_coefficient_) {
-            friction_coefficient_ = feel.friction;
-            friction_ = hfh::Friction<double>{{.at_rest = feel.friction, .sliding = 0.8 * feel.friction}};
-        }
-        if (feel.friction > 0) felt.contact = friction_.hold(field_, felt.contact, stylus);
-        const hfh::ForceEvaluator<double> spring{.stiffness = feel.stiffness};
-        const hfh::Damping<double> damping{.along_normal = feel.damping};
-        felt.newtons = damping(spring, felt.contact, velocity).newtons;
-        return felt;
+    void begin(const hfh::HapticLoopOptions& options) noexcept override { loop_ = Loop{field_, options}; }
+    Felt update(const hfh::DeviceSample& sample, const hfh::Material& material) noexcept override {
+        loop_.set_material(material);
+        (void)loop_.update(sample);
+        return {loop_.contact(), loop_.asked(), loop_.force()};
     }
-    void reset() noexcept override { tracker_.reset(); }
+    [[nodiscard]] hfh::Workspace<double>& workspace() noexcept override { return loop_.workspace(); }
+    [[nodiscard]] hfh::ForceGuard& guard() noexcept override { return loop_.guard(); }
+    void reset() noexcept override { loop_.reset(); }
 
     [[nodiscard]] double height(const glm::dvec2& at) const noexcept override {
         constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -63,7 +54,8 @@ public:
         return std::max(0, field_.level_count() - 4);
     }
     double set_level(double level) noexcept override {
-        return hfh::change_level(field_, std::clamp(level, 0.0, coarsest_level()), tracker_, friction_);
+        return hfh::change_level(field_, std::clamp(level, 0.0, coarsest_level()), loop_.tracker(),
+                                 loop_.friction());
     }
 
     void begin_stroke() noexcept override { edits_.begin_stroke(); }
@@ -78,10 +70,10 @@ public:
 private:
     using Field = hfh::BlendedField<double, hfh::StridedLevels<demo::Heights<S>>>;
 
+    using Loop = hfh::HapticLoop<Field>;
+
     Field field_;
-    hfh::ProxyTracker<Field> tracker_{field_, {.max_contact_patches = 8}};
-    hfh::Friction<double> friction_{};
-    double friction_coefficient_ = -1;
+    Loop loop_{field_};
     Edits<S> edits_;
 };
 

@@ -5,22 +5,17 @@
 
 #include <terrain.hpp>
 
+#include <hfh/loop/haptic_loop.hpp>
+
 #include <memory>
 
 namespace viewer {
 
-/// What one update felt, in the terrain.
+/// What one update felt.
 struct Felt {
     hfh::Contact<double> contact{};
-    glm::dvec3 newtons{0.0}; ///< on the terrain
-};
-
-/// How the ground feels, in the terrain's units.
-struct TerrainFeel {
-    double stiffness = 0; ///< N/m
-    double friction = 0;  ///< coefficient at rest
-    double damping = 0;   ///< N·s/m
-    bool shading = false;
+    glm::dvec3 asked{0.0}; ///< N at the hand, before the guard
+    hfh::GuardedForce force{};
 };
 
 /// A round spot of ground that is raised, or lowered where `amount` is below 0.
@@ -36,10 +31,15 @@ class FeltGround {
 public:
     virtual ~FeltGround() = default;
 
-    /// One haptic update. `velocity`: of the stylus, m/s of terrain.
-    virtual Felt update(const glm::dvec3& stylus, const glm::dvec3& velocity,
-                        const TerrainFeel& feel) noexcept = 0;
-    /// Forgets the stylus.
+    /// Makes the haptic loop anew.
+    virtual void begin(const hfh::HapticLoopOptions& options) noexcept = 0;
+    /// One update of the haptic loop.
+    virtual Felt update(const hfh::DeviceSample& sample, const hfh::Material& material) noexcept = 0;
+    /// The loop's, which zooms and moves between updates.
+    [[nodiscard]] virtual hfh::Workspace<double>& workspace() noexcept = 0;
+    /// The loop's.
+    [[nodiscard]] virtual hfh::ForceGuard& guard() noexcept = 0;
+    /// Forgets the stylus and the force.
     virtual void reset() noexcept = 0;
     /// The height of the ground at the level that is felt, m; NaN where there is none.
     [[nodiscard]] virtual double height(const glm::dvec2& at) const noexcept = 0;

@@ -12,6 +12,7 @@
 namespace viewer {
 namespace {
 
+constexpr unsigned clutch_button = 1u;
 constexpr double zoom_rate = 6; ///< doublings of the scale per second, at most
 
 const hfh::DeviceModel& model_of(DeviceKind kind) noexcept {
@@ -48,8 +49,12 @@ double whole_terrain_scale(DeviceKind device, const glm::dvec2& size) noexcept {
 
 Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
     : ground_{&ground}, settings_{std::move(settings)}, cell_{settings_.cell}, model_{model_of(settings_)},
-      workspace_{{}}, guard_{limits_of(model_.capabilities)}, mouse_{hfh::HandGrip{}.stiffness,
+      workspace_{ground.workspace()}, guard_{ground.guard()}, mouse_{hfh::HandGrip{}.stiffness,
                                                                      glm::dvec3{0.0}} {
+    // Nobody holds a stylus on rails, and no damper is needed for it.
+    ground_->begin({.limits = limits_of(model_.capabilities),
+                    .lag = settings_.device == DeviceKind::none ? 0 : 0.5,
+                    .clutch_buttons = clutch_button});
     show_whole_terrain();
     told_.feel.stiffness = before_.feel.stiffness = default_stiffness();
     if (!settings_.path.empty()) {
@@ -112,15 +117,9 @@ hfh::DeviceCommand Haptics::update(const hfh::DeviceSample& sample) noexcept {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     take_input();
-    if (sample.force_refused) ground_->reset();
-    const bool clutch = (sample.buttons & 1u) != 0;
     wanted_ = sample.position;
-    const glm::dvec3 stylus = workspace_.update(sample.position, clutch);
-    hfh::GuardedForce felt = feel(sample, stylus);
-    if (clutch) { // no force meanwhile, and the ramp afterwards
-        guard_.restart();
-        felt = {};
-    }
+    const glm::dvec3 stylus = workspace_.update(sample.position, (sample.buttons & clutch_button) != 0);
+    const hfh::GuardedForce felt = feel(sample, stylus);
     newtons_ = felt.newtons;
     paint(told_.pressing || (sample.buttons & 2u) != 0);
     ++updates_;
@@ -215,25 +214,17 @@ void Haptics::move_hand() noexcept {
 }
 
 hfh::GuardedForce Haptics::feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept {
-    const double scale = workspace_.frame().scale;
     const Feel& feel = told_.feel;
-    if (coupled_stiffness_ != feel.stiffness) {
-        coupled_stiffness_ = feel.stiffness;
-        coupling_.emplace(hfh::VirtualCouplingOptions{.stiffness = feel.stiffness, .lag = 0.5});
-    }
-    const glm::dvec3 velocity = velocity_.update(sample.position, period());
-    const Felt felt = ground_->update(stylus, velocity * scale,
-                                      {.stiffness = workspace_.terrain_stiffness(feel.stiffness),
-                                       .friction = feel.friction,
-                                       .damping = workspace_.terrain_stiffness(feel.damping),
-                                       .shading = feel.shading});
+    const Felt felt = ground_->update(sample, {.stiffness = feel.stiffness,
+                                               .static_friction = feel.friction,
+                                               .dynamic_friction = 0.8 * feel.friction,
+                                               .damping = feel.damping,
+                                               .shading = feel.shading});
     contact_ = felt.contact;
     last_stylus_ = stylus;
-    const glm::dvec3 asked = workspace_.force_at_hand(felt.newtons);
     // Nobody holds a stylus on rails: no force moves it, and none can hurt.
-    if (!device_ && settings_.device == DeviceKind::none) return {asked};
-    return guard_.update(sample, (*coupling_)(sample.position, asked).newtons,
-                         contact_.status == hfh::ContactStatus::buried);
+    if (!device_ && settings_.device == DeviceKind::none) return {felt.asked};
+    return felt.force;
 }
 
 /// Digs and heaps where the hand presses, as much as it presses.

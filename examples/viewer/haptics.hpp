@@ -11,8 +11,6 @@
 #include <hfh/device/force_guard.hpp>
 #include <hfh/device/triple_buffer.hpp>
 #include <hfh/device/workspace.hpp>
-#include <hfh/force/damping.hpp>
-#include <hfh/force/virtual_coupling.hpp>
 #include <hfh/simulation/simulated_device.hpp>
 
 #include <optional>
@@ -89,11 +87,8 @@ private:
     HapticsSettings settings_;
     double cell_;
     hfh::DeviceModel model_;
-    hfh::Workspace<double> workspace_;
-    hfh::VelocityFilter<double> velocity_;
-    hfh::ForceGuard guard_;
-    std::optional<hfh::VirtualCoupling> coupling_;
-    double coupled_stiffness_ = 0;
+    hfh::Workspace<double>& workspace_; ///< the ground's loop's
+    hfh::ForceGuard& guard_;            ///< the ground's loop's
 
     glm::dvec3 wanted_{0.0}; ///< m at the hand
     MouseHand mouse_;

@@ -18,6 +18,7 @@ namespace viewer {
 namespace {
 
 constexpr double radians_per_pixel = 0.006;
+constexpr int few_cells = 4; ///< from the middle of the picture to its side
 
 /// Contours are about 9 mm apart in the hand where the ground is as steep as in the mean.
 double contour_interval(double scale, double steepness, bool feet) noexcept {
@@ -151,6 +152,21 @@ void Viewer::draw_markers(const glm::ivec2& size) {
                         camera_, size);
 }
 
+/// The lowest and the highest height, m above the datum, at some places up to so many samples from the middle of the workspace.
+/// For pictures of few cells, whose vertices are out of the picture.
+glm::vec2 Viewer::heights_within(double samples) const {
+    constexpr int steps = 4;
+    glm::vec2 range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+    const glm::dvec2 middle = glm::dvec2{hand_.offset} / displayed_->spacing;
+    for (int b = -steps; b <= steps; ++b) {
+        for (int a = -steps; a <= steps; ++a) {
+            if (const auto z = levels_->height_at(middle + samples / steps * glm::dvec2{a, b}, loader_.n()))
+                range = {std::min(range.x, *z), std::max(range.y, *z)};
+        }
+    }
+    return range;
+}
+
 /// The tints are those of the heights that are about in the picture, so that a single slope shows its forms as well as a range of
 /// mountains does.
 void Viewer::adapt_tints(const glm::ivec2& size, double share) {
@@ -161,7 +177,7 @@ void Viewer::adapt_tints(const glm::ivec2& size, double share) {
     const int level = static_cast<int>(std::ceil(std::log2(std::max(1.0, 2 * wide / n)))) - finest;
     const LoadedLevel& seen = *levels_->levels[static_cast<std::size_t>(
         std::clamp(level, 0, static_cast<int>(levels_->levels.size()) - 1))];
-    const int reach = std::clamp(static_cast<int>(wide / std::exp2(seen.level)), 2, n / 2);
+    const int reach = std::min(static_cast<int>(wide / std::exp2(seen.level)), n / 2);
     const glm::dvec2 middle = glm::dvec2{hand_.offset} / displayed_->spacing / std::exp2(seen.level);
     const auto first = [&](double at, hfh::Index origin) {
         return std::clamp(static_cast<int>(at) - static_cast<int>(origin) - reach, 0, n - 1);
@@ -177,6 +193,7 @@ void Viewer::adapt_tints(const glm::ivec2& size, double share) {
                 range = {std::min(range.x, v.height), std::max(range.y, v.height)};
         }
     }
+    if (reach < few_cells) range = heights_within(wide);
     if (range.x > range.y) return;
     range.y =
         std::max(range.y, range.x + 1e-3f * static_cast<float>(hand_.scale)); // flat ground has one tint

@@ -93,6 +93,7 @@ private:
     void follow();
     void ask_for_levels();
     void look_at_middle(double share);
+    [[nodiscard]] glm::vec2 heights_within(double samples) const;
     void adapt_tints(const glm::ivec2& size, double share);
     void draw_markers(const glm::ivec2& size);
     void draw_text(const glm::ivec2& size, double seconds);

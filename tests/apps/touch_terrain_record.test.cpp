@@ -364,7 +364,8 @@ TEST_CASE("touch_terrain: on a terrain full of holes the hand is never below the
     CHECK(longest < 100);
 }
 
-TEST_CASE("touch_terrain: over radar voids that are bridged the hand stays in contact", "[touch_terrain][real]") {
+TEST_CASE("touch_terrain: over radar voids that are bridged the hand stays in contact",
+          "[touch_terrain][real]") {
     const auto file = hfh::test::shared_file_or_skip("swissalps_voids.bil");
     if (!file) return;
     const Folder folder;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double not_a_number = (double)NAN, infinite = (double)INFINITY;
 static int failures = 0;
 
 #define CHECK(x)                                                                                             \
@@ -253,8 +254,8 @@ static void bad_arguments(void) {
     REFUSED(bad.rows = -4, HFH_TOO_FEW_SAMPLES);
     REFUSED(bad.columns = (int64_t)1 << 40, HFH_BAD_ARGUMENT);
     REFUSED(bad.spacing[1] = 0, HFH_BAD_SPACING);
-    REFUSED(bad.origin[0] = NAN, HFH_BAD_SPACING);
-    REFUSED(bad.height_offset = INFINITY, HFH_BAD_HEIGHT_SCALE);
+    REFUSED(bad.origin[0] = not_a_number, HFH_BAD_SPACING);
+    REFUSED(bad.height_offset = infinite, HFH_BAD_HEIGHT_SCALE);
     REFUSED((bad.has_no_data = 1, bad.no_data = 0.5), HFH_BAD_ARGUMENT);
     REFUSED((bad.has_no_data = 1, bad.no_data = 70000), HFH_BAD_ARGUMENT);
 
@@ -279,10 +280,10 @@ static void bad_arguments(void) {
     bad_s.scale = -1;
     CHECK(hfh_stylus_create(field, &bad_s, &stylus) == HFH_BAD_WORKSPACE);
     bad_s = s;
-    bad_s.radius = NAN;
+    bad_s.radius = not_a_number;
     CHECK(hfh_stylus_create(field, &bad_s, &stylus) == HFH_BAD_ARGUMENT);
     bad_s = s;
-    bad_s.delay = NAN;
+    bad_s.delay = not_a_number;
     CHECK(hfh_stylus_create(field, &bad_s, &stylus) == HFH_BAD_ARGUMENT && stylus == NULL);
     CHECK(hfh_stylus_create(field, &s, &stylus) == HFH_OK);
     if (!stylus) return;
@@ -294,11 +295,11 @@ static void bad_arguments(void) {
     CHECK(hfh_stylus_update(NULL, p, NULL, 0.001, &r) == HFH_BAD_ARGUMENT);
     CHECK(hfh_stylus_update(stylus, p, NULL, 0.001, NULL) == HFH_BAD_ARGUMENT);
     CHECK(hfh_stylus_update(stylus, p, NULL, 0.001, &r) == HFH_OK && r.size == sizeof r);
-    p[1] = NAN;
+    p[1] = not_a_number;
     CHECK(hfh_stylus_update(stylus, p, NULL, 0.001, &r) == HFH_OK && r.status == HFH_BAD_INPUT);
     CHECK(r.trip == HFH_TRIP_BAD_SAMPLE);
     p[1] = 1;
-    CHECK(hfh_stylus_update(stylus, p, NULL, NAN, &r) == HFH_OK && r.trip == HFH_TRIP_BAD_SAMPLE);
+    CHECK(hfh_stylus_update(stylus, p, NULL, not_a_number, &r) == HFH_OK && r.trip == HFH_TRIP_BAD_SAMPLE);
     CHECK(hfh_stylus_update(stylus, p, NULL, 0.001, &r) == HFH_OK && r.trip == HFH_TRIP_NONE);
     CHECK(hfh_stylus_update(stylus, p, NULL, 1, &r) == HFH_OK && r.trip == HFH_TRIP_STALE);
     /* A longer result is written as far as it is known, a shorter one no farther than it goes. */

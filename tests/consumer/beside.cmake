@@ -21,7 +21,7 @@ function(hfh_add_answers name)
     target_link_options(${target} PRIVATE ${arg_OPTIONS})
     add_dependencies(check_beside ${target})
     if(NOT name STREQUAL "plain")
-        add_test(NAME answers_${name} COMMAND ${CMAKE_COMMAND}
+        add_test(NAME consumer_answers_${name} COMMAND ${CMAKE_COMMAND}
             -D PROGRAM=$<TARGET_FILE:${target}> -D PLAIN=$<TARGET_FILE:hfh_answers_plain>
             -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/same_answers.cmake)
     endif()
@@ -34,7 +34,8 @@ hfh_add_answers(glm_aligned DEFINITIONS GLM_FORCE_INTRINSICS GLM_FORCE_DEFAULT_A
 hfh_add_answers(glm_options DEFINITIONS GLM_FORCE_CTOR_INIT GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_LEFT_HANDED
     GLM_FORCE_SWIZZLE GLM_FORCE_SIZE_T_LENGTH GLM_FORCE_EXPLICIT_CTOR GLM_FORCE_UNRESTRICTED_GENTYPE)
 if(HFH_HAS_32_BITS)
-    hfh_add_answers(32_bits OPTIONS ${hfh_narrow})
+    # There an Index is an int, so a cast from one to the other is useless.
+    hfh_add_answers(32_bits OPTIONS ${hfh_narrow} $<$<CXX_COMPILER_ID:GNU>:-Wno-useless-cast>)
 endif()
 set(HFH_OTHER_GLM "" CACHE PATH "Folder with another version of GLM in glm/, to test the library beside that one as well")
 if(HFH_OTHER_GLM)
@@ -70,7 +71,7 @@ add_test(NAME consumer_amalgamated COMMAND hfh_consumer_amalgamated)
 add_dependencies(check_beside hfh_consumer_amalgamated)
 
 # A compiler that is told C++17 says what is wrong, once.
-add_test(NAME needs_cpp20 COMMAND ${CMAKE_COMMAND} -D CXX=${CMAKE_CXX_COMPILER} -D INCLUDE=${PROJECT_SOURCE_DIR}/include
+add_test(NAME consumer_needs_cpp20 COMMAND ${CMAKE_COMMAND} -D CXX=${CMAKE_CXX_COMPILER} -D INCLUDE=${PROJECT_SOURCE_DIR}/include
     -D SOURCE=${CMAKE_CURRENT_SOURCE_DIR}/consumer/main.cpp -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/needs_cpp20.cmake)
 
 # For Windows, where MinGW is installed: every header and the program that gives the answers compile.
@@ -79,8 +80,8 @@ mark_as_advanced(HFH_MINGW)
 if(HFH_MINGW)
     file(CONFIGURE OUTPUT beside/windows.cpp CONTENT "#include <windows.h>\n${all_headers}")
     set(sources ${CMAKE_CURRENT_BINARY_DIR}/beside/windows.cpp ${CMAKE_CURRENT_SOURCE_DIR}/consumer/answers.cpp)
-    add_test(NAME mingw COMMAND ${HFH_MINGW} -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+    add_test(NAME consumer_mingw COMMAND ${HFH_MINGW} -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wconversion -Wshadow
         -Wdouble-promotion -Werror -isystem ${CMAKE_CURRENT_BINARY_DIR}/own_glm -I ${PROJECT_SOURCE_DIR}/include ${sources})
 else()
-    hfh_add_skipped_test(mingw "MinGW (package g++-mingw-w64-x86-64) is not installed")
+    hfh_add_skipped_test(consumer_mingw "MinGW (package g++-mingw-w64-x86-64) is not installed")
 endif()

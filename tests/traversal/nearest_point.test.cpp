@@ -134,6 +134,21 @@ TEST_CASE(
     CHECK(found.position.x == Approx(found.position.y));
 }
 
+TEST_CASE("nearest_point: very near to the medial axis, where Newton's method stops early, it is right all "
+          "the same",
+          "[nearest_point][hard]") {
+    // Three corners of a terrace and one below it. Over the corner opposite, |t| would come to 1 before there is a root.
+    for (const double query_z : {34.215641, 34.2156, 34.5, 34.0}) {
+        const auto ground = terrain<double>(2, 2, [](Index i, Index j) { return i + j == 0 ? 0 : 35.2033; },
+                                            {.spacing = {1, 3.66949}});
+        const glm::dvec3 query{1, 3.66949, query_z};
+        const NearestJudge<double> judge{ground};
+        CHECK(
+            judge(query, std::numeric_limits<Wide>::infinity(), nearest_point(ground.grid(), query)).fault ==
+            "");
+    }
+}
+
 TEST_CASE("nearest_point: beside the grid and over a hole a rim is nearest and leaves no side",
           "[nearest_point]") {
     auto ground = plane<double>(20, 20, 1);

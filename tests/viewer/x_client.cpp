@@ -104,7 +104,7 @@ void XClient::move_pointer(const glm::ivec2& to) {
 
 void XClient::press_button(unsigned button) { state_->send_button(ButtonPress, button, 0); }
 void XClient::release_button(unsigned button) {
-    state_->send_button(ButtonRelease, button, Button1Mask << (button - 1));
+    state_->send_button(ButtonRelease, button, unsigned{Button1Mask} << (button - 1));
 }
 
 void XClient::unfocus() {

@@ -99,27 +99,27 @@ inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
 /// The stationary point with |t| < 1 of the unbounded patch, which is the closest point of that, if it is in the cell. There
 /// is one at most, and none where the query lies on the medial axis; it is not found very near to that either (|t| from 0.999
 /// on). Where none is found the result's `squared` is `not_found`. With q = S_y and
-/// p = S_x there, and G, K, z₀ the slopes and the height over (0, 0):
+/// p = S_x there, and g, k, z₀ the slopes and the height over (0, 0):
 ///
-///     p = (G − t K)/(1 − t²),  q = (K − t G)/(1 − t²),  x = −z p,  y = −z q
-///     ψ(z) = z₀ − z (1 + G p + K q − t p q) = 0,  ψ' = −1 − (p² − 2 t p q + q²)/(1 − t²) < 0
+///     p = (g − t k)/(1 − t²),  q = (k − t g)/(1 − t²),  x = −z p,  y = −z q
+///     ψ(z) = z₀ − z (1 + g p + k q − t p q) = 0,  ψ' = −1 − (p² − 2 t p q + q²)/(1 − t²) < 0
 ///
 /// Newton's method from the foot on the tangent plane under the query, kept between 0 and z₀. At most 40 steps.
 [[nodiscard]] inline RelativePatch::Foot secular_foot(const RelativePatch& patch) noexcept {
     const double per_x = 1 / patch.dx, per_y = 1 / patch.dy;
     const double uq = -patch.x * per_x, vq = -patch.y * per_y;
-    const double G = patch.slope_u(vq) * per_x, K = patch.slope_v(uq) * per_y;
+    const double g = patch.slope_u(vq) * per_x, k = patch.slope_v(uq) * per_y;
     const double m = patch.twist() * per_x * per_y;
     const double z0 =
         (1 - vq) * ((1 - uq) * patch.z00 + uq * patch.z10) + vq * ((1 - uq) * patch.z01 + uq * patch.z11);
     RelativePatch::Foot none{.squared = not_found};
     double low = 0, high = z0; // ψ has the sign of z₀ at low, and not at high
     if (std::abs(z0 * m) >= 1) high = std::copysign(1 / std::abs(m), z0);
-    double z = z0 / (1 + G * G + K * K);
+    double z = z0 / (1 + g * g + k * k);
     for (int step = 0; step < 40; ++step) {
         if (!(std::abs(z * m) < 1)) z = (low + high) / 2;
-        const double t = z * m, r = 1 / (1 - t * t), p = (G - t * K) * r, q = (K - t * G) * r;
-        const double psi = z0 - z * (1 + G * p + K * q - t * p * q);
+        const double t = z * m, r = 1 / (1 - t * t), p = (g - t * k) * r, q = (k - t * g) * r;
+        const double psi = z0 - z * (1 + g * p + k * q - t * p * q);
         const double fall = 1 + (p * p - 2 * t * p * q + q * q) * r;
         (psi * z0 > 0 ? low : high) = z;
         const double change = psi / fall;
@@ -128,7 +128,7 @@ inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
             // Newton's method doubles the digits, but where ψ' grows without end.
             const double s = next * m, w = 1 / (1 - s * s);
             if (!(std::abs(s) < 0.999)) return none;
-            const double u = uq - next * (G - s * K) * w * per_x, v = vq - next * (K - s * G) * w * per_y;
+            const double u = uq - next * (g - s * k) * w * per_x, v = vq - next * (k - s * g) * w * per_y;
             if (!(0 <= u && u <= 1 && 0 <= v && v <= 1)) return none;
             return patch.foot(u, v);
         }

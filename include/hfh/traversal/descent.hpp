@@ -56,6 +56,12 @@ struct DescentProgress {
     Stalls stalls{};
     unsigned char steps = 0; ///< taken in this patch
     DescentResume resume = DescentResume::start;
+
+    /// After so many steps in this patch; it goes on by comparing the incident patches, or with a step.
+    constexpr void cut_short(int steps_here, bool compare) noexcept {
+        steps = static_cast<unsigned char>(steps_here);
+        resume = compare ? DescentResume::compare : DescentResume::step;
+    }
 };
 
 template <Real T>
@@ -447,8 +453,7 @@ descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
             compare = active.is_stationary() || active.leads_out();
         }
         if (end == PatchEnd::work_limit || patches >= max_patches) [[unlikely]] {
-            progress.steps = static_cast<unsigned char>(steps);
-            progress.resume = compare ? DescentResume::compare : DescentResume::step;
+            progress.cut_short(steps, compare);
             status = DescentStatus::work_limit;
             break;
         }

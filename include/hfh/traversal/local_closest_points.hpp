@@ -23,6 +23,16 @@ enum class LocalPointsStatus : unsigned char {
     /// lattice is not valid.
     bad_query
 };
+[[nodiscard]] constexpr const char* to_string(LocalPointsStatus status) noexcept {
+    switch (status) {
+    case LocalPointsStatus::complete: return "complete";
+    case LocalPointsStatus::stopped: return "stopped";
+    case LocalPointsStatus::buffer_full: return "buffer_full";
+    case LocalPointsStatus::work_limit: return "work_limit";
+    case LocalPointsStatus::bad_query: return "bad_query";
+    }
+    return "unknown";
+}
 
 [[nodiscard]] constexpr const char* to_string(LocalPointsStatus status) noexcept {
     switch (status) {

@@ -25,6 +25,15 @@ enum class NearestStatus : unsigned char {
     /// field's lattice is not valid.
     bad_query
 };
+[[nodiscard]] constexpr const char* to_string(NearestStatus status) noexcept {
+    switch (status) {
+    case NearestStatus::found: return "found";
+    case NearestStatus::none_within: return "none_within";
+    case NearestStatus::work_limit: return "work_limit";
+    case NearestStatus::bad_query: return "bad_query";
+    }
+    return "unknown";
+}
 
 [[nodiscard]] constexpr const char* to_string(NearestStatus status) noexcept {
     switch (status) {
@@ -119,15 +128,61 @@ template <HeightField Field>
     }
 }
 
+/// The nearest point so far, and the patch that it is on.
+struct NearestSoFar {
+    RelativePatch::Foot foot;
+    RelativePatch patch{};
+    Cell cell{};
+    bool found = false;
+
+    /// Takes the closest point of a patch if it is nearer.
+    void offer(Cell where, const RelativePatch& other, const RelativePatch::Foot& closest) noexcept {
+        if (!(closest.squared < foot.squared)) return;
+        foot = closest;
+        patch = other;
+        cell = where;
+        found = true;
+    }
+};
+
+/// The closest point of the patch that is nearest in plan, and the side of a query over or under it; `none` beside it.
+[[nodiscard, gnu::always_inline]] inline RelativePatch::Foot closest_of_base(const RelativePatch& patch,
+                                                                             Side& side) noexcept {
+    const auto at = patch.query();
+    if (0 <= at.u && at.u <= 1 && 0 <= at.v && at.v <= 1) {
+        side = patch.foot(at.u, at.v).offset.z > 0 ? Side::below : Side::above;
+        const auto foot = secular_foot(patch);
+        if (foot.squared < not_found) return foot;
+    }
+    return closest_of_patch(patch);
+}
+
+/// All of the result but status and work.
+template <HeightField Field>
+[[gnu::always_inline]] inline void
+describe_nearest(const Field& field, const vec3<typename Field::Scalar>& query, const NearestSoFar& nearest,
+                 NearestPoint<typename Field::Scalar>& result) noexcept {
+    using T = typename Field::Scalar;
+    const RelativePatch::Foot& foot = nearest.foot;
+    result.point = {nearest.cell, static_cast<T>(foot.u), static_cast<T>(foot.v)};
+    result.offset = vec3<T>{foot.offset};
+    result.position = vec3<T>{widen(query) + foot.offset};
+    result.distance = static_cast<T>(std::sqrt(foot.squared));
+    const SurfacePoint<double> at{nearest.cell, foot.u, foot.v};
+    if (on_border(at) || result.side == Side::none) {
+        describe_at_border(field, query, at, foot.offset, result);
+    } else {
+        result.normal = vec3<T>{nearest.patch.patch().normal(foot.u, foot.v)};
+    }
+}
+
 } // namespace detail
 
 template <HeightField Field>
 NearestPoint<typename Field::Scalar>
 nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
               const NearestOptions<typename Field::Scalar>& options) noexcept {
-    using T = typename Field::Scalar;
-    using detail::RelativePatch;
-    NearestPoint<T> result;
+    NearestPoint<typename Field::Scalar> result;
     if (!detail::is_query(field, query, options.max_distance)) {
         result.status = NearestStatus::bad_query;
         return result;
@@ -136,54 +191,27 @@ nearest_point(const Field& field, const vec3<typename Field::Scalar>& query,
 
     detail::ReachSearch<Field> search{field, query, detail::square_of_reach(options.max_distance),
                                       options.max_work};
-    RelativePatch::Foot best{.squared = search.reach_squared()};
-    RelativePatch nearest;
-    Cell cell = search.base();
-    bool found = false, over = false;
-    if (search.read(cell, nearest)) {
-        const auto at = nearest.query();
-        over = 0 <= at.u && at.u <= 1 && 0 <= at.v && at.v <= 1;
-        RelativePatch::Foot foot{.squared = detail::not_found};
-        if (over) {
-            result.side = nearest.foot(at.u, at.v).offset.z > 0 ? Side::below : Side::above;
-            foot = detail::secular_foot(nearest);
-        }
-        if (!(foot.squared < detail::not_found)) foot = detail::closest_of_patch(nearest);
-        found = foot.squared < best.squared;
-        if (found) best = foot;
+    detail::NearestSoFar nearest{.foot = {.squared = search.reach_squared()}};
+    Side side = Side::none;
+    detail::RelativePatch base;
+    if (search.read(search.base(), base)) {
+        nearest.offer(search.base(), base, detail::closest_of_base(base, side));
+        search.set_reach_squared(nearest.foot.squared);
     }
-    bool complete = true;
-    search.set_reach_squared(best.squared);
-    if (search.reaches_out()) {
-        complete = search.run([&](Cell where, const RelativePatch& patch) {
-            if (found && patch.is_beyond(best)) return true;
-            const auto foot = detail::closest_of_patch(patch);
-            if (!(foot.squared < best.squared)) return true;
-            best = foot;
-            cell = where;
-            nearest = patch;
-            found = true;
-            search.set_reach_squared(best.squared);
+    const bool complete =
+        !search.reaches_out() || search.run([&](Cell cell, const detail::RelativePatch& patch) {
+            if (nearest.found && patch.is_beyond(nearest.foot)) return true;
+            nearest.offer(cell, patch, detail::closest_of_patch(patch));
+            search.set_reach_squared(nearest.foot.squared);
             return true;
         });
-    }
     result.work = options.max_work - search.work_left();
-    result.status = !complete ? NearestStatus::work_limit
-                    : found   ? NearestStatus::found
-                              : NearestStatus::none_within;
-    if (!found) {
-        result.side = Side::none;
-        return result;
-    }
-    result.point = {cell, static_cast<T>(best.u), static_cast<T>(best.v)};
-    result.offset = vec3<T>{best.offset};
-    result.position = vec3<T>{glm::dvec3{widen(query)} + best.offset};
-    result.distance = static_cast<T>(std::sqrt(best.squared));
-    const SurfacePoint<double> at{cell, best.u, best.v};
-    if (on_border(at) || result.side == Side::none) {
-        detail::describe_at_border(field, query, at, best.offset, result);
-    } else {
-        result.normal = vec3<T>{nearest.patch().normal(best.u, best.v)};
+    result.status = !complete       ? NearestStatus::work_limit
+                    : nearest.found ? NearestStatus::found
+                                    : NearestStatus::none_within;
+    if (nearest.found) {
+        result.side = side;
+        detail::describe_nearest(field, query, nearest, result);
     }
     return result;
 }

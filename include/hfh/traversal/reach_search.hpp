@@ -170,11 +170,14 @@ private:
         return true;
     }
 
+    /// log₂ of the cells along a side of a block. The highest block may be wider than an Index counts, but no field is.
+    [[nodiscard]] static int side_bits(int level) noexcept {
+        return glm::min(Field::block_bits + 2 * level, std::numeric_limits<Index>::digits - 1);
+    }
     /// The cells of a block: begin … end along both axes.
     [[nodiscard]] CellRange cells_of(int level, Block block) const noexcept {
-        const int bits = Field::block_bits + 2 * level;
+        const int bits = side_bits(level);
         const Cell begin{block.i << bits, block.j << bits};
-        // The highest block may be wider than an Index counts.
         const auto end = [bits](Index first, Index last) {
             return last - first < Index{1} << bits ? last : first + (Index{1} << bits);
         };
@@ -208,20 +211,20 @@ private:
                    j = cells(b_ - reach, b_ + reach, 1 / dy_, base_.j, cells_.begin.j, cells_.end.j);
         int level = 0;
         for (;; ++level) {
-            const int bits = Field::block_bits + 2 * level;
+            const int bits = side_bits(level);
             begin = {i.begin >> bits, j.begin >> bits};
             end = {((i.end - 1) >> bits) + 1, ((j.end - 1) >> bits) + 1};
-            if (level + 1 == field_.levels() || (end.i - begin.i) * (end.j - begin.j) <= most_first)
-                return level;
+            const bool few = end.i - begin.i <= most_a_side && end.j - begin.j <= most_a_side;
+            if (few || level + 1 == field_.levels()) return level;
         }
     }
     /// Looks at blocks of a level and keeps those within reach on the stack, the nearest on top.
     [[nodiscard]] bool push(Entry* stack, int& count, int level, Block begin, Block end) noexcept {
         const int bottom = count;
-        for (Index J = begin.j; J < end.j; ++J) {
-            for (Index I = begin.i; I < end.i; ++I) {
+        for (Index j = begin.j; j < end.j; ++j) {
+            for (Index i = begin.i; i < end.i; ++i) {
                 if (!spend()) return false;
-                const Entry e = entry(level, {I, J});
+                const Entry e = entry(level, {i, j});
                 if (!(e.squared < reach_squared_)) continue;
                 int at = count++;
                 for (; at > bottom && stack[at - 1].squared < e.squared; --at) stack[at] = stack[at - 1];
@@ -233,7 +236,7 @@ private:
     template <class Visitor>
     [[nodiscard]] bool run_by_blocks(Visitor& visit) noexcept {
         // One block at a time becomes its 16 parts.
-        Entry stack[most_first + 15 * (std::numeric_limits<Index>::digits / 2 + 1)];
+        Entry stack[most_a_side * most_a_side + 15 * (std::numeric_limits<Index>::digits / 2 + 1)];
         Block begin, end;
         const int first = first_level(begin, end);
         int count = 0;
@@ -246,7 +249,7 @@ private:
                 if (!look_at_cells(cells, visit)) return false;
                 continue;
             }
-            const int bits = Field::block_bits + 2 * (nearest.level - 1);
+            const int bits = side_bits(nearest.level - 1);
             const Block part_begin{nearest.block.i * 4, nearest.block.j * 4},
                 part_end{((cells.end.i - 1) >> bits) + 1, ((cells.end.j - 1) >> bits) + 1};
             if (!push(stack, count, nearest.level - 1, part_begin, part_end)) return false;
@@ -254,7 +257,7 @@ private:
         return true;
     }
 
-    static constexpr int most_first = 16;
+    static constexpr int most_a_side = 4; ///< blocks to begin with
 
     const Field& field_;
     CellRange cells_;

@@ -102,8 +102,8 @@ std::optional<SurfaceSample<typename Field::Scalar>> surface_at(const Field& fie
     const glm::dvec2 place{widen(at.x), widen(at.y)};
     std::optional<SurfaceSample<T>> result;
     const Lattice lattice = field.lattice();
-    if (!is_finite(place.x) || !is_finite(place.y) || !lattice.reaches(glm::dvec3{place, 0})) return result;
-    const auto along = [&](int axis) {
+    if (!is_finite(place.x) || !is_finite(place.y) || !lattice.reaches(glm::dvec3{place, 0.0})) return result;
+    const auto along = [&](glm::length_t axis) {
         const double origin = lattice.origin()[axis], spacing = lattice.spacing()[axis];
         const double size = glm::max(std::abs(place[axis]), std::abs(origin));
         return detail::place_in_cells(place[axis], origin, spacing, lattice.cells_per_metre()[axis],
