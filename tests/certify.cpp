@@ -152,7 +152,8 @@ void nearest() {
         judge(scene.name, ground, each);
     }
     // All kinds but heights of every size, which are too far from one another to be told by distances.
-    for (int n = 0; queries < count; ++n)
+    const auto are_left = [&] { return queries < count; };
+    for (int n = 0; are_left(); ++n)
         judge("hard ground", hard_ground<T>(static_cast<HardGround>(n % (hard_grounds - 1)), random), 20);
     report(
         "nearest", name<T>,

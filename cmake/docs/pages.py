@@ -28,6 +28,7 @@ include/hfh/pages/more.md
     examples/touch_terrain/README.md
     examples/viewer/README.md
     examples/large_terrain/README.md
+    examples/c_api/README.md
     examples/chai3d/README.md
     examples/microcontroller/README.md
     examples/phantom/README.md
@@ -40,6 +41,7 @@ include/hfh/pages/more.md
     bench/results/closed_loop.md
     bench/results/fuzzing.md
     bench/results/goals.md
+    bench/results/large_terrain.md
     bench/results/parts.md
     bench/results/updates.md
     bench/results/viewer.md

@@ -326,32 +326,42 @@ static void bad_arguments(void) {
     hfh_stylus_destroy(stylus);
 }
 
-/* The same slope in every type of sample. */
+/* Level ground of 2 m in one type of sample. Returns the scale of its heights. */
+static double fill(int type, void* samples) {
+    int k;
+    for (k = 0; k < n * n; ++k) {
+        switch (type) {
+        case HFH_UINT8: ((uint8_t*)samples)[k] = 200; break;
+        case HFH_UINT16: ((uint16_t*)samples)[k] = 40000; break;
+        case HFH_INT16: ((int16_t*)samples)[k] = -20; break;
+        case HFH_INT32: ((int32_t*)samples)[k] = -2000000; break;
+        case HFH_FLOAT: ((float*)samples)[k] = 0.25f; break;
+        default: ((double*)samples)[k] = 0.125; break;
+        }
+    }
+    switch (type) {
+    case HFH_UINT8: return 0.01;
+    case HFH_UINT16: return 0.00005;
+    case HFH_INT16: return -0.1;
+    case HFH_INT32: return -0.000001;
+    case HFH_FLOAT: return 8;
+    default: return 16;
+    }
+}
+
+/* The same ground in every type of sample. */
 static void types(void) {
-    static double wide[n * n];
-    int type, k;
+    static double samples[n * n]; /* room for each of them */
+    int type;
     for (type = HFH_UINT8; type <= HFH_DOUBLE; ++type) {
         hfh_field_options o = level_options();
         hfh_stylus_options s = stylus_options();
         hfh_field* field = NULL;
         hfh_stylus* stylus = NULL;
         hfh_result r;
-        for (k = 0; k < n * n; ++k) {
-            if (type == HFH_UINT8) ((uint8_t*)wide)[k] = 200;
-            if (type == HFH_UINT16) ((uint16_t*)wide)[k] = 40000;
-            if (type == HFH_INT16) ((int16_t*)wide)[k] = -20;
-            if (type == HFH_INT32) ((int32_t*)wide)[k] = -2000000;
-            if (type == HFH_FLOAT) ((float*)wide)[k] = 0.25f;
-            if (type == HFH_DOUBLE) wide[k] = 0.125;
-        }
         o.sample_type = type;
-        o.samples = wide;
-        o.height_scale = type == HFH_UINT8    ? 0.01
-                         : type == HFH_UINT16 ? 0.00005
-                         : type == HFH_INT16  ? -0.1
-                         : type == HFH_INT32  ? -0.000001
-                         : type == HFH_FLOAT  ? 8
-                                              : 16;
+        o.samples = samples;
+        o.height_scale = fill(type, samples);
         CHECK(hfh_field_create(&o, &field) == HFH_OK);
         CHECK(hfh_stylus_create(field, &s, &stylus) == HFH_OK);
         r = press(stylus, HFH_Z_UP, 5.5, 6.5, 1.995);

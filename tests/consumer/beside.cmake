@@ -29,6 +29,7 @@ endfunction()
 
 hfh_add_answers(plain)
 hfh_add_answers(glm_intrinsics DEFINITIONS GLM_FORCE_INTRINSICS)
+# Aligned vectors as in GLM 0.9.9.8 and 1.0.1. Under 1.0.3 their dot product in float adds in another order.
 hfh_add_answers(glm_aligned DEFINITIONS GLM_FORCE_INTRINSICS GLM_FORCE_DEFAULT_ALIGNED_GENTYPES
     OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>) # GCC notes that it passed such vectors in another way up to 4.5
 hfh_add_answers(glm_options DEFINITIONS GLM_FORCE_CTOR_INIT GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_LEFT_HANDED
@@ -61,7 +62,9 @@ target_compile_options(hfh_under_macros PRIVATE ${hfh_strict} -O0)
 add_dependencies(check_beside hfh_under_macros)
 
 # All headers in one, and the consumer's program with that and nothing else.
-add_executable(hfh_consumer_amalgamated consumer/main.cpp)
+# By a source of the build tree's, for clang-tidy reads sources of the project before the header is made.
+file(CONFIGURE OUTPUT beside/amalgamated.cpp CONTENT "#include \"${CMAKE_CURRENT_SOURCE_DIR}/consumer/main.cpp\"\n" @ONLY)
+add_executable(hfh_consumer_amalgamated ${CMAKE_CURRENT_BINARY_DIR}/beside/amalgamated.cpp)
 add_dependencies(hfh_consumer_amalgamated amalgamated)
 target_include_directories(hfh_consumer_amalgamated PRIVATE ${hfh_amalgamated_dir})
 target_link_libraries(hfh_consumer_amalgamated PRIVATE glm::glm)

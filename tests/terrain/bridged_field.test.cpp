@@ -98,6 +98,44 @@ Terrain<T> with_void(Index width) {
 
 } // namespace
 
+namespace {
+
+/// Compares one cell with the definition. Returns whether the cell has a patch.
+template <Real T, class Field>
+bool check_cell(const Terrain<T>& ground, const Field& field, const Bridging<T>& reference, Cell c,
+                Wide rounding) {
+    const auto grid = ground.grid();
+    const auto patch = field.patch(c);
+    if (const auto inside = grid.patch(c)) {
+        REQUIRE(patch);
+        REQUIRE(same(*patch, *inside));
+        return true;
+    }
+    bool wanted = grid.cells().contains(c);
+    for (Index k = 0; k < 4 && wanted; ++k) {
+        const Vertex v{c.i + k % 2, c.j + k / 2};
+        const auto height = reference.height(v.i, v.j);
+        wanted = height.has_value();
+        if (!patch || !height) continue;
+        const T corners[]{patch->p00, patch->p10, patch->p01, patch->p11};
+        REQUIRE(std::abs(static_cast<Wide>(corners[k]) - *height) <= rounding);
+        REQUIRE(field.height(v) == corners[k]);
+    }
+    REQUIRE(patch.has_value() == wanted);
+    return wanted;
+}
+
+/// Of the heights that are there.
+template <Real T>
+Wide largest_height(const Terrain<T>& ground) {
+    Wide largest = 0;
+    for (const T height : ground.heights)
+        if (holds_number(height)) largest = std::max(largest, std::abs(static_cast<Wide>(height)));
+    return largest;
+}
+
+} // namespace
+
 TEMPLATE_TEST_CASE("BridgedField: is as defined, keeps what is there to the bit, and has no cracks",
                    "[bridged_field][law]", float, double) {
     using T = TestType;
@@ -113,32 +151,13 @@ TEMPLATE_TEST_CASE("BridgedField: is as defined, keeps what is there to the bit,
             static_assert(HeightField<BridgedField<decltype(ground.grid())>>);
             const Bridging<T> reference{ground, widest};
             CAPTURE(scene.name, widest);
-            Wide largest = 0;
-            for (const T height : ground.heights)
-                if (holds_number(height)) largest = std::max(largest, std::abs(static_cast<Wide>(height)));
-            const Wide rounding = 16 * static_cast<Wide>(epsilon<T>) * largest;
+            const Wide rounding = 16 * static_cast<Wide>(epsilon<T>) * largest_height(ground);
             for (Index j = -2; j <= ground.rows; ++j) {
                 for (Index i = -2; i <= ground.columns; ++i) {
-                    const auto patch = field.patch({i, j});
-                    if (const auto inside = grid.patch({i, j})) {
-                        REQUIRE(patch);
-                        REQUIRE(same(*patch, *inside));
-                        continue;
-                    }
-                    const bool in_grid = grid.cells().contains({i, j});
-                    bool wanted = in_grid;
-                    for (Index k = 0; k < 4 && wanted; ++k) {
-                        const Vertex v{i + k % 2, j + k / 2};
-                        const auto height = reference.height(v.i, v.j);
-                        wanted = height.has_value();
-                        if (!patch || !height) continue;
-                        const T corners[]{patch->p00, patch->p10, patch->p01, patch->p11};
-                        REQUIRE(std::abs(static_cast<Wide>(corners[k]) - *height) <= rounding);
-                        REQUIRE(field.height(v) == corners[k]);
-                    }
-                    REQUIRE(patch.has_value() == wanted);
-                    bridged += in_grid && wanted;
-                    left += in_grid && !wanted;
+                    const bool has_patch = check_cell(ground, field, reference, {i, j}, rounding);
+                    const bool is_hole = grid.cells().contains({i, j}) && !grid.patch({i, j});
+                    bridged += is_hole && has_patch;
+                    left += is_hole && !has_patch;
                 }
             }
         }

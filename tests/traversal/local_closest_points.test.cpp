@@ -103,6 +103,11 @@ TEMPLATE_TEST_CASE("local_closest_points: two may lie on one patch", "[local_clo
     CHECK(points[0].distance == Approx(points[1].distance));
     CHECK(points[0].point.u + points[1].point.u == Approx(1));
     judge(ground, query, T(2));
+    // A patch that is hardly bent, and a query a little beyond its radius of curvature, which is 5/2.
+    const auto shallow = terrain<T>(2, 2, [](Index i, Index j) { return i == j ? 0.1 : -0.1; });
+    const vec3<T> far{T(0.5), T(0.5), T(2.55)};
+    CHECK(all_within(shallow.grid(), far, T(3)).size() == 2);
+    judge(shallow, far, T(3));
 }
 
 TEST_CASE("local_closest_points: the nearest of them is the nearest point", "[local_closest_points]") {

@@ -137,15 +137,16 @@ TEST_CASE(
 TEST_CASE("nearest_point: very near to the medial axis, where Newton's method stops early, it is right all "
           "the same",
           "[nearest_point][hard]") {
-    // Three corners of a terrace and one below it. Over the corner opposite, |t| would come to 1 before there is a root.
-    for (const double query_z : {34.215641, 34.2156, 34.5, 34.0}) {
-        const auto ground = terrain<double>(2, 2, [](Index i, Index j) { return i + j == 0 ? 0 : 35.2033; },
-                                            {.spacing = {1, 3.66949}});
-        const glm::dvec3 query{1, 3.66949, query_z};
-        const NearestJudge<double> judge{ground};
-        CHECK(
-            judge(query, std::numeric_limits<Wide>::infinity(), nearest_point(ground.grid(), query)).fault ==
-            "");
+    // Three corners of a terrace and one below it, and a query beside the axis, which stands on the corner opposite.
+    const auto ground = terrain<double>(2, 2, [](Index i, Index j) { return i + j == 0 ? 0 : 0.75; },
+                                        {.spacing = {1, 0.125}});
+    const NearestJudge<double> judge{ground};
+    for (const double z : {0.58125, 0.5765625, 0.571875, 0.5671875}) {
+        for (const double beside : {0.0, 1e-12, 1e-9, 1e-8}) {
+            const glm::dvec3 query{1 - beside, 0.125, z};
+            const auto found = nearest_point(ground.grid(), query);
+            CHECK(judge(query, std::numeric_limits<Wide>::infinity(), found).fault == "");
+        }
     }
 }
 

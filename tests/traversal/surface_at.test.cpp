@@ -95,13 +95,16 @@ TEST_CASE("surface_at: where patches meet the normal is the mean of theirs, weig
         CHECK(found->normal.z == Approx(1));
         CHECK_FALSE(found->on_rim);
     }
-    // One patch of four falls away: its angle is wider than a right one or narrower, by its edges' directions.
+    // At the middle of four patches, of which the one behind (1, 1) rises along both its edges: these stand at 60° there.
     auto ground = plane<double>(3, 3);
-    ground.at(2, 1) = 2;
+    ground.at(2, 1) = ground.at(1, 2) = 1;
     const auto found = surface_at(ground.grid(), glm::dvec2{1, 1});
     REQUIRE(found);
-    // The two patches to the right rise by 2 along x; each fills a right angle at the vertex, as the level ones do.
-    CHECK(found->normal.x ==
-          Approx(-2 / std::sqrt(5.0) / std::hypot(2 / std::sqrt(5.0), 1 + 1 / std::sqrt(5.0))));
-    CHECK(found->normal.y == Approx(0).margin(1e-15));
+    const double sharp = 1.0471975511965976 / std::sqrt(3.0), right = 1.5707963267948966;
+    glm::dvec3 mean{-sharp - right / std::sqrt(2.0), 0, sharp + 2 * right / std::sqrt(2.0) + right};
+    mean.y = mean.x;
+    mean = glm::normalize(mean);
+    CHECK(found->normal.x == Approx(mean.x));
+    CHECK(found->normal.y == Approx(mean.y));
+    CHECK(found->normal.z == Approx(mean.z));
 }

@@ -178,8 +178,9 @@ private:
 }
 
 /// The closest point of a closed patch. Seldom more than the four edges; where no certificate holds, the search of
-/// `global_closest_point`.
-[[nodiscard]] inline RelativePatch::Foot closest_of_patch(const RelativePatch& p) noexcept {
+/// `global_closest_point`. A template, so that who does not call it compiles nothing of that search.
+template <Real T = double>
+[[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p) noexcept {
     const auto edge = closest_on_edges(p);
     const PatchShape shape{p};
     if (shape.has_minima_on_edges_only()) return edge;

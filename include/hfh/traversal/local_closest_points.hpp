@@ -34,17 +34,6 @@ enum class LocalPointsStatus : unsigned char {
     return "unknown";
 }
 
-[[nodiscard]] constexpr const char* to_string(LocalPointsStatus status) noexcept {
-    switch (status) {
-    case LocalPointsStatus::complete: return "complete";
-    case LocalPointsStatus::stopped: return "stopped";
-    case LocalPointsStatus::buffer_full: return "buffer_full";
-    case LocalPointsStatus::work_limit: return "work_limit";
-    case LocalPointsStatus::bad_query: return "bad_query";
-    }
-    return "unknown";
-}
-
 /// A point of a patch than which no point of this patch close by is nearer to the query.
 template <Real T>
 struct LocalClosestPoint {

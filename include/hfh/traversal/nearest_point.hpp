@@ -35,16 +35,6 @@ enum class NearestStatus : unsigned char {
     return "unknown";
 }
 
-[[nodiscard]] constexpr const char* to_string(NearestStatus status) noexcept {
-    switch (status) {
-    case NearestStatus::found: return "found";
-    case NearestStatus::none_within: return "none_within";
-    case NearestStatus::work_limit: return "work_limit";
-    case NearestStatus::bad_query: return "bad_query";
-    }
-    return "unknown";
-}
-
 template <Real T>
 struct NearestOptions {
     /// Metres, from 0 on; +∞ limits nothing. A point counts as within it if it misses it by roundings.
@@ -146,6 +136,7 @@ struct NearestSoFar {
 };
 
 /// The closest point of the patch that is nearest in plan, and the side of a query over or under it; `none` beside it.
+template <Real T = double>
 [[nodiscard, gnu::always_inline]] inline RelativePatch::Foot closest_of_base(const RelativePatch& patch,
                                                                              Side& side) noexcept {
     const auto at = patch.query();
