@@ -105,6 +105,39 @@ TEMPLATE_TEST_CASE("descend: a start that is a denormal length from a grid line 
     CHECK(arrived > 1500);
 }
 
+TEMPLATE_TEST_CASE("descend: from a minimum it goes nowhere", "[descent][regression]", float, double) {
+    using T = TestType;
+    // How far a slope changes along a step is rounded as the steeper of the two slopes, and counts as often as the query is
+    // deep. A step that seemed to lead to a minimum along the gentle slope ended beside it, and at rest the proxy moved on.
+    Random random{12};
+    int arrived = 0;
+    for (int n = 0; n < 40'000; ++n) {
+        const double steep = random.between(0.3, 3), gentle = steep * std::exp2(-random.between(2, 9)),
+                     deep = std::exp2(random.between(2, 9));
+        const bool along_x = random.one_in(2);
+        const auto ground = tilted_plane<T>(3, 3, along_x ? steep : gentle, along_x ? gentle : steep);
+        const auto grid = ground.grid();
+        const auto share = [&] { return static_cast<T>(random.between(0.1, 0.9)); };
+        // Below a point of the cell, along the normal but for an angle.
+        const Cell cell{random.whole(0, 1), random.whole(0, 1)};
+        const auto patch = *grid.patch(cell);
+        const T u = share(), v = share();
+        const vec3<T> query =
+            vec3<T>{static_cast<T>(cell.i) + u, static_cast<T>(cell.j) + v, patch.height(u, v)} -
+            static_cast<T>(deep) * patch.normal(u, v);
+        const auto found = descend(grid, query, {cell, share(), share()}, 8192);
+        if (found.status != DescentStatus::minimum) continue;
+        ++arrived;
+        const auto again = descend(grid, query, found.point, 8192);
+        CAPTURE(n, steep, gentle, deep, found.point.u, found.point.v);
+        CHECK(again.status == DescentStatus::minimum);
+        CHECK(again.point.cell == found.point.cell);
+        CHECK(again.point.u == found.point.u);
+        CHECK(again.point.v == found.point.v);
+    }
+    CHECK(arrived > 20'000);
+}
+
 TEMPLATE_TEST_CASE("proxy_tracker: on its way to a stylus on the rim of a hole it is felt at any spacing",
                    "[proxy_tracker][limited][regression]", float, double) {
     using T = TestType;

@@ -87,11 +87,6 @@ template <Real T>
         if (at.x == foot.u && at.y == foot.v) return foot; // below the resolution of u and v
         foot.u = at.x;
         foot.v = at.y;
-        if (step == arrived) {
-            foot.gap = distance.gap(at.x, at.y);
-            ++foot.iterations;
-            return foot;
-        }
     }
 }
 

@@ -41,7 +41,6 @@ struct ActiveSet {
 /// How a Newton step ended.
 enum class NewtonStep : unsigned char {
     refused,   ///< not taken: Eq. (11) is not safely positive definite, or the step lowers F by too little
-    arrived,   ///< taken, and what it leaves of F_u and F_v is less than half of their rounding
     inside,    ///< taken, or as much of it as ends at the first minimum of F along it
     to_border, ///< taken up to the border that it meets first
     barely_to_border ///< the same, and it lowers F by enough only if the surface goes on behind that border
@@ -135,17 +134,6 @@ template <Real T>
     const T scaled_rate = f.fu * f.fu * f.fvv + f.fv * f.fv * f.fuu;
     const bool enough = is_enough(f, change, scaled_rate);
     if (!enough && (step.whole || !(slope < 0 && 4 * change <= slope))) return NewtonStep::refused;
-    if (step.whole) {
-        // F_u and F_v at the end of the step: rounding, and the terms that Eq. (11) does not hold, A dv ẑ + z_u A du dv and
-        // A du ẑ + z_v A du dv with ẑ the change of height.
-        const T left_u = f.fu + f.fuu * du + f.fuv * dv + (distance.twist * dv * climb + f.zu * quadratic);
-        const T left_v = f.fv + f.fuv * du + f.fvv * dv + (distance.twist * du * climb + f.zv * quadratic);
-        if (2 * std::abs(left_u) < distance.gradient_error_u &&
-            2 * std::abs(left_v) < distance.gradient_error_v) {
-            at = step.to;
-            return NewtonStep::arrived;
-        }
-    }
     const T part = falling_part(distance, f, step, slope, linear, quadratic, scaled_rate);
     if (part < 1) {
         if (!(part > 0)) return NewtonStep::refused;

@@ -307,7 +307,8 @@ descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
         at.u = to.x;
         at.v = to.y;
         if (on_border(at)) return leads_across(step) ? PatchEnd::crossing : PatchEnd::border;
-        if (step == arrived) return PatchEnd::minimum;
+        // A minimum is one by F_u and F_v at the point itself, as the next descent will see them: from the step alone they are
+        // not known to within their rounding, and at rest the point would move once more.
         f = distance(at.u, at.v);
         active = {distance, f, vec2<T>{at.u, at.v}};
         if (step == refused && patches >= max_patches) return PatchEnd::work_limit;
