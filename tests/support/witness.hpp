@@ -94,12 +94,12 @@ private:
         const Place at = place_of(wide(stylus));
         const bool was_outside = outside_;
         const Side was_side = side_;
-        // A lattice in float leaves open on which side a stylus is that is nearer to the surface than its roundings, and they
-        // can be centimetres on cliffs: there the side counts that the tracker tells.
-        const bool unclear =
-            at.above >= -at.tolerance && (std::is_same_v<PlaceScalar<T>, double> || c.side != Side::below);
-        outside_ = at.under &&
-                   ((was_outside && c.touching()) || at.above > at.tolerance || (was_outside && unclear));
+        // Behind a hole the side is decided afresh, by a height that may be zero but for roundings. Where the lattice is in
+        // float these are centimetres on cliffs: a stylus nearer to the surface than that is on the side that the tracker tells.
+        const bool decided_afresh =
+            !std::is_same_v<PlaceScalar<T>, double> && c.side == Side::below && !all_over_surface(at.q);
+        outside_ = at.under && ((was_outside && c.touching()) || at.above > at.tolerance ||
+                                (was_outside && at.above >= -at.tolerance && !decided_afresh));
         side_ = !at.under ? Side::none : c.side;
 
         if (!is_finite(c.proxy) || !is_finite(c.normal) || !is_finite(c.penetration) || !is_finite(c.depth)) {
