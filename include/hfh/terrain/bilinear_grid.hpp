@@ -46,6 +46,8 @@ enum class GridStatus : unsigned char {
 ///
 /// A sample is a hole where its source says so, and where its height is NaN, infinite, or `longest` metres or more in size
 /// (2³¹ in float, 2²⁵⁵ in double). So a "no data" value of that size need not be declared.
+///
+/// Its lattice computes places in F: double, or with T float also float, for a processor without a double (`BasicLattice`).
 template <Real T, HeightSource Heights = HeightView<T>, Real F = double>
 class BilinearGrid {
 public:
