@@ -23,7 +23,9 @@ using namespace hfh::test;
 
 namespace {
 
-constexpr Wide eps_double = static_cast<Wide>(epsilon<double>);
+/// Of what the lattice computes in.
+template <Real T>
+constexpr Wide eps_place = static_cast<Wide>(epsilon<PlaceScalar<T>>);
 constexpr int plenty = 1 << 20; // patches: no limit for these terrains
 
 template <Real T, class Each>
@@ -64,11 +66,11 @@ std::vector<Segment> segments(const HardCase<T>& c) {
     return all;
 }
 
-/// A segment in metres from the grid's origin, without rounding, and how much double may lose of it.
+/// A segment in metres from the grid's origin, without rounding, and how much the lattice may lose of it.
 struct Projection {
     Wide ax, ay, bx, by, dx, dy;
     Wide blur;  ///< metres: the rounding of ends and of lines
-    bool exact; ///< all numbers are so short that double loses nothing
+    bool exact; ///< all numbers are so short that a double loses nothing
 
     template <Real T>
     Projection(const Terrain<T>& terrain, const Segment& s)
@@ -78,8 +80,8 @@ struct Projection {
         const Wide extent =
             std::max({std::abs(ax), std::abs(ay), std::abs(bx), std::abs(by),
                       dx * static_cast<Wide>(terrain.columns), dy * static_cast<Wide>(terrain.rows)});
-        blur = 16 * eps_double * extent;
-        exact = true;
+        blur = 16 * eps_place<T> * extent;
+        exact = std::is_same_v<PlaceScalar<T>, double>;
         for (const Wide x : {ax, ay, bx, by, dx, dy})
             exact = exact && std::abs(x) < 0x1p20L && x * 1024 == std::floor(x * 1024);
     }
@@ -123,13 +125,14 @@ private:
 };
 
 /// What is wrong with spans in their order along the segment; empty if nothing is.
-std::string span_fault(const std::vector<CellSpan>& spans) {
-    double reached = spans.empty() ? 0 : spans.front().t_in;
+template <Real F>
+std::string span_fault(const std::vector<BasicCellSpan<F>>& spans) {
+    F reached = spans.empty() ? 0 : spans.front().t_in;
     for (const auto& span : spans) {
         if (!(0 <= span.t_in && span.t_in <= span.t_out && span.t_out <= 1))
             return "not a span of the segment";
         if (span.t_in > reached) return "leaves a gap";
-        for (const double w : {span.in.x, span.in.y, span.out.x, span.out.y})
+        for (const F w : {span.in.x, span.in.y, span.out.x, span.out.y})
             if (!(0 <= w && w <= 1)) return "enters or leaves outside the cell";
         reached = std::max(reached, span.t_out);
     }
@@ -154,7 +157,7 @@ std::string cell_fault(const Surface<T>& surface, const Projection& p, const Seg
     const Wide az = static_cast<Wide>(s.a.z), bz = static_cast<Wide>(s.b.z);
     const Wide lowest = std::min(az + in * (bz - az), az + out * (bz - az));
     const Wide shortest = std::max(p.length(), Wide(1e-30L));
-    const Wide unsure = 8 * eps_double * (std::abs(az) + std::abs(bz) + std::abs(patch->highest())) +
+    const Wide unsure = 8 * eps_place<T> * (std::abs(az) + std::abs(bz) + std::abs(patch->highest())) +
                         std::abs(bz - az) * std::min(p.length() == 0 ? Wide(0) : p.blur / shortest, Wide(1));
     if (lowest < patch->highest() - unsure && offers == 0) return "is no candidate";
     if (lowest > patch->highest() + unsure && offers != 0) return "is a candidate, far below";
@@ -166,14 +169,17 @@ template <Real T>
 std::string walk_fault(const Terrain<T>& terrain, const Segment& s) {
     const auto grid = terrain.grid();
     const Projection p{terrain, s};
-    std::vector<CellSpan> spans;
-    walk_cells(grid.lattice(), grid.cells(), {s.a.x, s.a.y}, {s.b.x, s.b.y}, [&](const CellSpan& span) {
+    using Place = vec3<PlaceScalar<T>>;
+    using Span = BasicCellSpan<PlaceScalar<T>>;
+    const Place a{s.a}, b{s.b};
+    std::vector<Span> spans;
+    walk_cells(grid.lattice(), grid.cells(), {a.x, a.y}, {b.x, b.y}, [&](const Span& span) {
         spans.push_back(span);
         return spans.size() < 10000; // so that a walk that never ends fails instead
     });
     if (std::string fault = span_fault(spans); !fault.empty()) return fault;
     std::vector<Cell> candidates;
-    walk_candidates(grid, vec3<double>{s.a}, vec3<double>{s.b}, [&](const CellSpan& span, const auto&) {
+    walk_candidates(grid, a, b, [&](const Span& span, const auto&) {
         candidates.push_back(span.cell);
         return candidates.size() < 10000;
     });
@@ -182,7 +188,7 @@ std::string walk_fault(const Terrain<T>& terrain, const Segment& s) {
         for (Index i = 0; i + 1 < terrain.columns; ++i) {
             const Cell cell{i, j};
             const auto visits = std::count_if(spans.begin(), spans.end(),
-                                              [&](const CellSpan& span) { return span.cell == cell; });
+                                              [&](const Span& span) { return span.cell == cell; });
             const auto offers = std::count(candidates.begin(), candidates.end(), cell);
             const std::string fault = cell_fault(surface, p, s, cell, visits, offers);
             if (!fault.empty()) return "cell " + std::to_string(i) + ' ' + std::to_string(j) + ' ' + fault;
@@ -205,9 +211,10 @@ std::string crossing_fault(const Terrain<T>& terrain, const Segment& s, SurfaceK
             top =
                 std::max(top, std::abs(static_cast<Wide>(h) * static_cast<Wide>(terrain.frame.height_scale)));
     // A rounding of the place, in cells, times the relief; and of the heights.
-    const Wide lift = 4 * (eps_double + p.blur / std::min(p.dx, p.dy)) * top;
+    const Wide lift = 4 * (eps_place<T> + p.blur / std::min(p.dx, p.dy)) * top;
 
-    const auto found = first_hit(grid, s.a, s.b, {.surface = kind, .side = side});
+    const auto found = first_hit(grid, vec3<PlaceScalar<T>>{s.a}, vec3<PlaceScalar<T>>{s.b},
+                                 {.surface = kind, .side = side});
     const bool hit = found.status == HitStatus::hit;
     if (found.status == HitStatus::cell_limit) return "a limit where none was set";
     if (!(found.t >= 0 && found.t <= 1)) return "beside the segment";
@@ -226,7 +233,7 @@ std::string crossing_fault(const Terrain<T>& terrain, const Segment& s, SurfaceK
         const Wide steep = std::abs(static_cast<Wide>(s.b.z) - static_cast<Wide>(s.a.z));
         const Wide rise = lift +
                           2 * static_cast<Wide>(epsilon<T>) * (top + patch->highest() - patch->lowest()) +
-                          8 * eps_double * steep;
+                          8 * eps_place<T> * steep;
         if (std::abs(patch->height(at.u, at.v) - z) > rise) return "off the surface";
     }
     const auto pieces = hit_pieces(terrain, s.a, s.b);
@@ -240,7 +247,7 @@ std::string crossing_fault(const Terrain<T>& terrain, const Segment& s, SurfaceK
     if (hit && !exact.hit) return "invented";
     if (!hit && exact.hit) return "missed";
     if (found.side != exact.side) return "on the other side";
-    const Wide t = static_cast<Wide>(found.t), slack = 16 * eps_double;
+    const Wide t = static_cast<Wide>(found.t), slack = 16 * eps_place<T>;
     if (hit && (t < std::min({exact.t, raised.t, lowered.t}) - slack ||
                 t > std::max({exact.t, raised.t, lowered.t}) + slack))
         return "at another time";
@@ -544,7 +551,7 @@ TEMPLATE_TEST_CASE("hard cases: a stylus that stands still for 100,000 updates m
             }
             // And for long where the path was deepest.
             ProxyTracker other{grid, options};
-            TrackerState<T> deepest{};
+            auto deepest = other.state();
             vec3<T> there = c.path.front();
             T depth = 0;
             for (const auto& p : c.path) {
@@ -630,7 +637,7 @@ TEMPLATE_TEST_CASE("hard cases: integer samples are felt as the heights that the
     each_case<T>([&](const auto& c) {
         const auto compare = [&](auto view) {
             ++cases;
-            const BilinearGrid<T, decltype(view)> integers{view, {.height_scale = c.scale}};
+            const BilinearGrid<T, decltype(view), PlaceScalar<T>> integers{view, {.height_scale = c.scale}};
             const auto heights = c.terrain.grid();
             REQUIRE(integers.status() == GridStatus::ok);
             for (Index j = -1; j < c.terrain.rows; ++j) {
@@ -756,7 +763,7 @@ TEMPLATE_TEST_CASE(
 }
 
 TEMPLATE_TEST_CASE("hard cases: at a northing of 10,000 km a contact is the one at the origin, bit by bit",
-                   "[hard][lattice][proxy_tracker]", float, double) {
+                   "[hard][lattice][proxy_tracker][far]", float, double) {
     using T = TestType;
     // Positions that both places can write down: multiples of 1/64 m in double; of a whole metre in float, which has no
     // others there. What is computed from the cell's corner is then the same; the proxy's world coordinates alone are

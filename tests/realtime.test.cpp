@@ -83,10 +83,11 @@ TEMPLATE_TEST_CASE("hfh: nothing on the way of an update can throw", "[realtime]
     using T = TestType;
     using Grid = typename Terrain<T>::Grid;
     using Tracker = ProxyTracker<Grid>;
+    using Place = vec3<PlaceScalar<T>>;
     // The arguments are not made here, for GLM does not mark its constructors.
     static_assert(noexcept(std::declval<Tracker&>().update(std::declval<const vec3<T>&>())));
     static_assert(noexcept(std::declval<Tracker&>().reset()));
-    static_assert(noexcept(std::declval<Tracker&>().restore(std::declval<const TrackerState<T>&>())));
+    static_assert(noexcept(std::declval<Tracker&>().restore(std::declval<const typename Tracker::State&>())));
     static_assert(noexcept(std::declval<const Tracker&>().state()));
     static_assert(noexcept(std::declval<const ForceEvaluator<T>&>()(std::declval<const Contact<T>&>())));
     static_assert(noexcept(std::declval<const Grid&>().patch(std::declval<const Cell&>())));
@@ -95,9 +96,9 @@ TEMPLATE_TEST_CASE("hfh: nothing on the way of an update can throw", "[realtime]
                              std::declval<const vec2<T>&>(), std::declval<const NewtonOptions&>())));
     static_assert(noexcept(descend(std::declval<const Grid&>(), std::declval<const vec3<T>&>(),
                                    std::declval<const SurfacePoint<T>&>(), 1)));
-    static_assert(
-        noexcept(first_hit(std::declval<const Grid&>(), std::declval<const glm::dvec3&>(),
-                           std::declval<const glm::dvec3&>(), std::declval<const FirstHitOptions&>())));
+    static_assert(noexcept(first_hit(std::declval<const Grid&>(), std::declval<const Place&>(),
+                                     std::declval<const Place&>(),
+                                     std::declval<const BasicFirstHitOptions<PlaceScalar<T>>&>())));
     SUCCEED();
 }
 
@@ -105,10 +106,11 @@ TEMPLATE_TEST_CASE("ProxyTracker: its state takes no more than 192 bytes, the re
                    "[realtime]", float, double) {
     using T = TestType;
     using Tracker = ProxyTracker<typename Terrain<T>::Grid>;
-    static_assert(std::is_trivially_copyable_v<TrackerState<T>>);
+    using State = typename Tracker::State;
+    static_assert(std::is_trivially_copyable_v<State>);
     static_assert(std::is_trivially_copyable_v<Tracker>);
-    CHECK(sizeof(TrackerState<T>) <= 192);
-    CHECK(sizeof(Tracker) <= sizeof(TrackerState<T>) + 3 * sizeof(void*));
+    CHECK(sizeof(State) <= 192);
+    CHECK(sizeof(Tracker) <= sizeof(State) + 3 * sizeof(void*));
 }
 
 TEMPLATE_TEST_CASE("ProxyTracker: its work is bounded by what it was allowed", "[realtime]", float, double) {

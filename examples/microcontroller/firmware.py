@@ -2,7 +2,8 @@
 """Runs the firmware in QEMU, compares its forces with the desktop's and guards its instructions.
 
     firmware.py check  STORED DIRECTORY    ends with 1 if a force differs by a bit, an instruction count is 3 % above the
-                                           stored one, or the image has a heap
+                                           stored one, an image has a heap, or tracker and force compute in a double that
+                                           the processor does not have
     firmware.py update STORED DIRECTORY    writes the figures of this compiler into STORED
 
 DIRECTORY has the images and the programs of the desktop. QEMU counts instructions, so the figures are the same on every
@@ -42,14 +43,17 @@ def emulate(board, image):
 
 
 def describe(image):
-    """Bytes of code and constants without the ground, calls of routines that compute in double, and symbols of a heap."""
+    """Bytes of code and constants without the ground, and symbols of a heap."""
     size = int(output_of("arm-none-eabi-size", image).splitlines()[1].split()[0])
     symbols = output_of("arm-none-eabi-nm", "-CS", image)
     ground = int(re.search(r"^\w+ (\w+) \w microcontroller::ground$", symbols, re.MULTILINE)[1], 16)
-    code = output_of("arm-none-eabi-objdump", "-d", image)
-    soft = len(re.findall(r"\tbl?x?(?:\.w)?\t.*<__aeabi_(?:c?d\w+|f2d|u?i2d|u?l2d)>", code))
     heap = re.findall(r" (_?malloc_r|malloc|_?sbrk|operator new.*)$", symbols, re.MULTILINE)
-    return size - ground, soft, heap
+    return size - ground, heap
+
+
+def soft_doubles(tracker):
+    """The routines for double that tracker and force call, from the object file that they are in."""
+    return re.findall(r" U (__aeabi_(?:c?d\w+|f2d|u?i2d|u?l2d))$", output_of("arm-none-eabi-nm", tracker), re.MULTILINE)
 
 
 def check_bits(name, now, desktop):
@@ -94,8 +98,9 @@ def main():
         now[name] = {stroke: {figure: int(said[figure]) for figure in FIGURES} for stroke, said in strokes.items()}
         lines, dear = compare(name, before.get(name, {}), now[name])
         wrong += dear
-        size, soft, heap = describe(image)
-        print("\n".join(lines) + f"\n{name:10} {size} bytes of code, {soft} calls of soft doubles")
+        size, heap = describe(image)
+        print("\n".join(lines) + f"\n{name:10} {size} bytes of code")
+        wrong += [f"{name}: tracker or force calls {routine}" for routine in soft_doubles(directory / f"{name}_main.o")]
         wrong += [f"{name}: the image has {symbol}" for symbol in heap]
     print(f"({build})" + ("" if before else ": no figures are stored for it, so instructions are NOT COMPARED"))
     if sys.argv[1] == "update":

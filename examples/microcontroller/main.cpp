@@ -1,7 +1,7 @@
 #include "board.hpp"
+#include "guard.hpp"
 #include "recorded_strokes.hpp"
 
-#include <hfh/device/force_guard.hpp>
 #include <hfh/hfh.hpp>
 
 #include <bit>
@@ -12,8 +12,9 @@
 
 namespace {
 
-using Scalar = HFH_SCALAR;
-using Ground = hfh::BilinearGrid<Scalar, hfh::HeightView<std::int16_t>>;
+using microcontroller::Scalar;
+// Places are computed in Scalar too: the ground lies at the origin.
+using Ground = hfh::BilinearGrid<Scalar, hfh::HeightView<std::int16_t>, Scalar>;
 
 constexpr Ground ground{
     hfh::HeightView{microcontroller::ground.data(), microcontroller::samples, microcontroller::samples},
@@ -24,14 +25,14 @@ static_assert(ground.status() == hfh::GridStatus::ok);
 struct Loop {
     hfh::ProxyTracker<Ground> tracker{ground, {.max_patches = 100, .max_contact_patches = 8}};
     hfh::ForceEvaluator<Scalar> force{.stiffness = 500, .max_force = Scalar(3.3)};
-    hfh::ForceGuard guard{{.max_force = 3.3}};
+    microcontroller::Guard guard;
 };
 
 /// FNV-1a of the bits of what is felt.
 class Hash {
 public:
-    template <class T>
-    void add(const glm::vec<3, T>& p) noexcept {
+    template <hfh::Real T>
+    void add(const hfh::vec3<T>& p) noexcept {
         for (const T x : {p.x, p.y, p.z}) add(std::bit_cast<typename hfh::detail::Bits<T>::Type>(x));
     }
     void add(std::uint64_t bits) noexcept {
@@ -73,14 +74,13 @@ Felt feel(const microcontroller::Stroke& stroke) noexcept {
         const microcontroller::EncoderCounts counts = stylus_of(stroke, n);
         const hfh::vec3<Scalar> stylus =
             Scalar(microcontroller::encoder_step) * hfh::vec3<Scalar>{counts.x, counts.y, counts.z};
-        const hfh::DeviceSample sample{.time = 0.001 * n, .position = hfh::widen(stylus)};
 
         const std::uint32_t begin = board::clock();
         const hfh::Contact<Scalar> contact = loop.tracker.update(stylus);
         const hfh::Force<Scalar> force = loop.force(contact);
         const std::uint32_t middle = board::clock();
-        const hfh::GuardedForce guarded = loop.guard.update(sample, hfh::widen(force.newtons),
-                                                            contact.status == hfh::ContactStatus::buried);
+        const hfh::GuardedForce guarded =
+            loop.guard.update(n, stylus, force.newtons, contact.status == hfh::ContactStatus::buried);
         const std::uint32_t end = board::clock();
 
         felt.update.add(board::instructions_between(begin, middle) - clock_itself);

@@ -14,7 +14,7 @@ using namespace hfh::test;
 namespace {
 
 template <Real T>
-using Bytes = std::array<unsigned char, sizeof(TrackerState<T>)>;
+using Bytes = std::array<unsigned char, sizeof(TrackerState<T, PlaceScalar<T>>)>;
 
 /// The state of a tracker, bit by bit.
 template <HeightField Field>
@@ -1003,10 +1003,10 @@ TEMPLATE_TEST_CASE("ProxyTracker: a ridge holds a stylus in the open while its p
     const auto ground = terrain<T>(25, 25, [](Index i, Index) { return i == 12 ? 10.0 : 0.0; });
     const auto grid = ground.grid();
     const vec3<T> stylus{T(14), T(20.3), T(3)};
-    TrackerState<T> state;
+    typename ProxyTracker<typename Terrain<T>::Grid>::State state;
     state.phase = TrackerPhase::contact;
     state.side = Side::above;
-    state.swept_to = glm::dvec3{stylus};
+    state.swept_to = vec3<PlaceScalar<T>>{stylus};
     state.proxy = {{11, 3}, T(0.5), T(0.5)};
     ProxyTracker tracker{grid, {.max_contact_patches = 4}};
     tracker.restore(state);
@@ -1030,7 +1030,7 @@ TEMPLATE_TEST_CASE(
     const auto ground = terrain<T>(201, 9, [](Index i, Index) { return i <= 5 ? 200.0 : 0.0; });
     const auto grid = ground.grid();
     const vec3<T> stylus{T(105.5), T(4.25), T(100)};
-    TrackerState<T> state;
+    typename ProxyTracker<typename Terrain<T>::Grid>::State state;
     state.phase = TrackerPhase::contact;
     state.side = Side::above;
     state.swept_to = {105.5, 4.25, 100};
@@ -1160,7 +1160,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: a saved state goes on as if nothing had been",
     Hand<T> hand{ground, 48};
     for (int n = 0; n < 2000; ++n) {
         const auto stylus = hand.next();
-        TrackerState<T> copy;
+        typename ProxyTracker<Grid>::State copy;
         std::memcpy(static_cast<void*>(&copy), &one.state(), sizeof copy); // like plain bytes
         other.restore(copy);
         REQUIRE(same(one.update(stylus), other.update(stylus)));
@@ -1206,7 +1206,7 @@ TEST_CASE("ProxyTracker: sweeps to the float position that it was given, not to 
         const volatile float x = static_cast<float>(at.x), y = static_cast<float>(at.y),
                              z = static_cast<float>(at.z);
         const glm::dvec3 given{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        CHECK(tracker.state().swept_to == given);
+        CHECK(glm::dvec3{tracker.state().swept_to} == given);
     }
 }
 

@@ -190,16 +190,18 @@ TEMPLATE_TEST_CASE("first_hit: a segment that does not get off a cliff hits it w
         for (const double y : {0.0, 0.25, 0.5}) {
             CAPTURE(reach, y);
             const double top = 204, below = reach * widen(grid.patch({1, 0})->slope_u(static_cast<T>(y)));
-            const glm::dvec3 from{2 - reach, y, top - below}, to{2, y, top - below};
-            const auto hit =
-                first_hit(grid, from, to,
-                          {.surface = SurfaceKind::sheet, .side = Side::above, .leaves_within = below / 8});
+            using F = PlaceScalar<T>;
+            const vec3<F> from{glm::dvec3{2 - reach, y, top - below}}, to{glm::dvec3{2, y, top - below}};
+            const auto hit = first_hit(grid, from, to,
+                                       {.surface = SurfaceKind::sheet,
+                                        .side = Side::above,
+                                        .leaves_within = static_cast<F>(below / 8)});
             REQUIRE(hit.status == HitStatus::hit);
             const auto patch = widen(*grid.patch(hit.point.cell));
             const glm::dvec3 met{static_cast<double>(hit.point.cell.i) + widen(hit.point.u),
                                  static_cast<double>(hit.point.cell.j) + widen(hit.point.v),
                                  patch.height(widen(hit.point.u), widen(hit.point.v))};
-            CHECK(glm::distance(met, to) <= glm::distance(from, to) + below / 8);
+            CHECK(glm::distance(met, widen(to)) <= glm::distance(widen(from), widen(to)) + below / 8);
         }
     }
 }

@@ -15,7 +15,7 @@ public:
     explicit CountingField(const Field& field) noexcept : field_{&field} {}
     CountingField(const Field&&) = delete; // the field must outlive it
 
-    [[nodiscard]] Lattice lattice() const noexcept { return field_->lattice(); }
+    [[nodiscard]] auto lattice() const noexcept { return field_->lattice(); }
     [[nodiscard]] CellRange cells() const noexcept { return field_->cells(); }
     [[nodiscard]] std::optional<BilinearPatch<Scalar>> patch(Cell cell) const noexcept {
         ++looks_;

@@ -114,7 +114,7 @@ public:
 
     /// A moment to come back to: the tracker's state, and the contact with which it came there.
     struct Moment {
-        TrackerState<T> state{};
+        typename ProxyTracker<Field>::State state{};
         Contact<T> contact{};
         GlideState<T> glide{};
     };

@@ -32,6 +32,7 @@ template <Real T>
     made.columns = std::stol(keys["NCOLS"]);
     made.rows = std::stol(keys["NROWS"]);
     made.frame.spacing = {std::stod(keys["XDIM"]), std::stod(keys["YDIM"])};
+    made.frame = rounded<T>(made.frame);
     const bool real = keys["PIXELTYPE"] == "FLOAT";
     const std::size_t size = real ? 4 : 2;
     if (bytes.size() != size * static_cast<std::size_t>(made.columns * made.rows)) return {};

@@ -15,6 +15,23 @@
 
 namespace hfh::test {
 
+/// What the lattices of the tests' grids compute places in: double; where HFH_TEST_FLOAT_LATTICE is defined, T.
+#if defined(HFH_TEST_FLOAT_LATTICE)
+template <Real T>
+using PlaceScalar = T;
+#else
+template <Real T>
+using PlaceScalar = double;
+#endif
+
+/// The frame as the lattice of a grid has it: origin and spacing rounded to what it computes in.
+template <Real T>
+[[nodiscard]] GridFrame rounded(GridFrame frame) {
+    for (double* x : {&frame.origin.x, &frame.origin.y, &frame.spacing.x, &frame.spacing.y})
+        *x = widen(static_cast<PlaceScalar<T>>(*x));
+    return frame;
+}
+
 /// Samples of type T with the frame they lie in. The grid looks at them, so the terrain has to outlive it, and an
 /// edit of `heights` is seen through it.
 template <Real T>
@@ -23,7 +40,7 @@ struct Terrain {
     std::vector<T> heights; // row by row, south row first
     GridFrame frame{};
 
-    using Grid = BilinearGrid<T, HeightView<T>>;
+    using Grid = BilinearGrid<T, HeightView<T>, PlaceScalar<T>>;
 
     [[nodiscard]] Grid grid() const { return {HeightView<T>{heights.data(), columns, rows}, frame}; }
     [[nodiscard]] T& at(Index i, Index j) { return heights[static_cast<std::size_t>(i + j * columns)]; }
@@ -58,7 +75,7 @@ template <Real T>
 /// columns × rows samples of height(i, j).
 template <Real T, class Height>
 [[nodiscard]] Terrain<T> terrain(Index columns, Index rows, Height&& height, const GridFrame& frame = {}) {
-    Terrain<T> made{columns, rows, {}, frame};
+    Terrain<T> made{columns, rows, {}, rounded<T>(frame)};
     made.heights.reserve(static_cast<std::size_t>(columns * rows));
     for (Index j = 0; j < rows; ++j) {
         for (Index i = 0; i < columns; ++i) made.heights.push_back(static_cast<T>(height(i, j)));

@@ -99,8 +99,12 @@ private:
         const Place at = place_of(wide(stylus));
         const bool was_outside = outside_;
         const Side was_side = side_;
+        // Behind a hole the side is decided afresh, by a height that may be zero but for roundings. Where the lattice is in
+        // float these are centimetres on cliffs: a stylus nearer to the surface than that is on the side that the tracker tells.
+        const bool decided_afresh =
+            !std::is_same_v<PlaceScalar<T>, double> && c.side == Side::below && !all_over_surface(at.q);
         outside_ = at.under && ((was_outside && c.touching()) || at.above > at.tolerance ||
-                                (was_outside && at.above >= -at.tolerance));
+                                (was_outside && at.above >= -at.tolerance && !decided_afresh));
         side_ = !at.under ? Side::none : c.side;
 
         if (!is_finite(c.proxy) || !is_finite(c.normal) || !is_finite(c.penetration) || !is_finite(c.depth)) {
@@ -132,8 +136,8 @@ private:
         const auto under = surface.under(
             q.x, q.y, Wide(1e-12L) * (1 + std::abs(surface.column_of(q.x)) + std::abs(surface.row_of(q.y))));
         if (!under) return {q, under, Wide(0), Wide(0)};
-        // Sides are decided in double whatever the scalar, from numbers that are exact: a few roundings.
-        return {q, under, 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<double>)),
+        // Sides are decided in what the lattice computes in, from numbers that are exact: a few roundings.
+        return {q, under, 32 * surface.blur(*under, q, static_cast<Wide>(epsilon<PlaceScalar<T>>)),
                 q.z - surface.patch(under->i, under->j)->height(under->u, under->v)};
     }
 

@@ -58,6 +58,7 @@ class BallTracker {
 public:
     using Scalar = typename Field::Scalar;
     using State = BallState<Scalar>;
+    static_assert(std::same_as<FrameScalar<Field>, double>, "a ball's tracker computes places in double");
 
     /// `radius` in metres, ≥ 0 and below `longest`; anything else counts as 0.
     constexpr BallTracker(const Field& field, Scalar radius, const TrackerOptions& options = {}) noexcept

@@ -41,10 +41,12 @@ enum class TrackerPhase : unsigned char {
 ///
 /// A minimum *holds* a stylus that is inside of the face there. One that does not is *released*: the way from it to the
 /// stylus is searched for another face.
-template <Real T>
+///
+/// F is what the lattice of the field computes in.
+template <Real T, Real F = double>
 struct TrackerState {
     /// The stylus; searching and releasing: up to where the surface has been searched.
-    glm::dvec3 swept_to{0.0};
+    vec3<F> swept_to{F(0)};
     SurfacePoint<T> proxy{}; ///< in contact: the proxy; searching, if `after_release`: the released minimum
     DescentProgress<T> progress{}; ///< sliding: of the descent to this stylus
     /// |proxy − stylus|² in m² at the released minimum: releasing, and sliding and searching if `after_release`.
@@ -71,12 +73,13 @@ template <HeightField Field>
 [[nodiscard, gnu::noinline]] bool
 has_surface_over(const Field& field, const vec3<typename Field::Scalar>& stylus, Side felt) noexcept {
     using Scalar = typename Field::Scalar;
-    const Lattice& lattice = field.lattice();
-    const glm::dvec3 at = widen(stylus);
-    const double u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
+    using F = FrameScalar<Field>;
+    const BasicLattice<F>& lattice = field.lattice();
+    const vec3<F> at = widen_to<F>(stylus);
+    const F u = lattice.u_of(at.x, 0), v = lattice.v_of(at.y, 0);
     // On a grid line, but for the rounding of u and v, cells on both sides are over it; beside a hole one of them has no patch.
-    const auto rounding_of = [](double w) { return 4 * epsilon<double> * (1 + std::abs(w)); };
-    const auto cell_of = [](double column, double row) {
+    const auto rounding_of = [](F w) { return 4 * epsilon<F> * (1 + std::abs(w)); };
+    const auto cell_of = [](F column, F row) {
         return Cell{static_cast<Index>(std::floor(column)), static_cast<Index>(std::floor(row))};
     };
     const Cell first = cell_of(u - rounding_of(u), v - rounding_of(v)),
@@ -85,12 +88,12 @@ has_surface_over(const Field& field, const vec3<typename Field::Scalar>& stylus,
         for (Index i = first.i; i <= last.i; ++i) {
             const auto found = field.patch({i, j});
             if (!found) continue;
-            const auto p = widen(*found);
-            const double above = p.height(lattice.u_of(at.x, i), lattice.v_of(at.y, j)) - at.z;
+            const BilinearPatch<F> p = widen_to<F>(*found);
+            const F above = p.height(lattice.u_of(at.x, i), lattice.v_of(at.y, j)) - at.z;
             // Of the height here, and of the offset from which the depth comes out in the end.
-            const double rounding =
-                8 * epsilon<double> * (std::abs(p.highest()) + std::abs(p.lowest()) + std::abs(at.z)) +
-                8 * widen(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
+            const F rounding =
+                8 * epsilon<F> * (std::abs(p.highest()) + std::abs(p.lowest()) + std::abs(at.z)) +
+                8 * widen_to<F>(epsilon<Scalar>) * (p.highest() - p.lowest() + std::abs(above));
             if (felt == Side::below ? above < -rounding : above > rounding) return true;
         }
     }
@@ -122,7 +125,7 @@ template <HeightField Field>
 class ProxyTracker {
 public:
     using Scalar = typename Field::Scalar;
-    using State = TrackerState<Scalar>;
+    using State = TrackerState<Scalar, FrameScalar<Field>>;
     static_assert(std::is_trivially_copyable_v<State> || !std::is_trivially_copyable_v<vec3<Scalar>>,
                   "a tracker's state can be copied like plain bytes where GLM's vectors can");
 
@@ -146,6 +149,9 @@ public:
 
 private:
     using Phase = TrackerPhase;
+    using F = FrameScalar<Field>;
+    using Place = vec3<F>; ///< a position, in what places are computed in
+    using Hit = HitOn<Field>;
 
     /// What an update has done and may still do.
     struct Work {
@@ -177,23 +183,22 @@ private:
 
     // What they do: each cast returns what it found, and these write it down.
 
-    [[nodiscard]] FirstHit<Scalar> cast(const glm::dvec3& from, const glm::dvec3& to, FirstHitOptions options,
-                                        int max_cells) const noexcept;
+    [[nodiscard]] Hit cast(const Place& from, const Place& to, BasicFirstHitOptions<F> options,
+                           int max_cells) const noexcept;
     /// Casts on from a minimum that does not hold the stylus, which the proxy is at. Counts the cells to `work`; remembers
     /// where it ended if it was cut short.
-    [[nodiscard, gnu::noinline]] FirstHit<Scalar> search_beyond(const vec3<Scalar>& stylus, int max_cells,
-                                                                Work& work) noexcept;
+    [[nodiscard, gnu::noinline]] Hit search_beyond(const vec3<Scalar>& stylus, int max_cells,
+                                                   Work& work) noexcept;
     /// Within how many metres of the surface a search from a released minimum lies on it, until it has got off; < 0: it has.
-    [[nodiscard]] double leaves_within(const vec3<Scalar>& stylus) const noexcept;
+    [[nodiscard]] F leaves_within(const vec3<Scalar>& stylus) const noexcept;
     /// `found` does not hold the stylus: the way from there is searched from now on.
     void release(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) noexcept;
     /// The proxy is on the face that was hit.
-    void enter_face(const FirstHit<Scalar>& hit, Phase phase) noexcept;
+    void enter_face(const Hit& hit, Phase phase) noexcept;
     /// After a search from a released minimum that came to no other face: free, or, if it was cut short and the stylus has the
     /// surface over it, still in contact, unless there is no patch at that minimum any more. Inlined, so that what GCC 12 makes of an update does not depend on what else was
     /// included before.
-    [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus,
-                                                                  const FirstHit<Scalar>& hit,
+    [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus, const Hit& hit,
                                                                   const DescentResult<Scalar>& found,
                                                                   int patches) noexcept;
     /// Free so far: goes on with the search at the next update.
@@ -222,7 +227,7 @@ private:
         return glm::min(work.slide, work_allowed() - work.patches);
     }
     /// Over how many patches the proxy may slide in an update in which the stylus moved here from `before`.
-    [[nodiscard]] int slide_allowance(const glm::dvec3& before, const vec3<Scalar>& stylus) const noexcept;
+    [[nodiscard]] int slide_allowance(const Place& before, const vec3<Scalar>& stylus) const noexcept;
     /// A bound of how far rounding may leave a proxy off the surface, in metres: some ulps of the lengths that its offset
     /// from the stylus is made of.
     [[nodiscard]] static Scalar rounding_bound(const vec3<Scalar>& offset,
@@ -252,7 +257,7 @@ auto ProxyTracker<Field>::update(const vec3<Scalar>& stylus) noexcept -> Contact
     if (state_.phase == Phase::contact) return update_contact(stylus, 0);
     if (state_.touching()) return resume_contact(stylus);
 
-    const glm::dvec3 to = widen(stylus);
+    const Place to = detail::widen_to<F>(stylus);
     if (state_.phase == Phase::unseen) state_.swept_to = to;
     // What a search comes to nearly always.
     if (state_.side != Side::below && options_.max_patches >= 4) {
@@ -268,7 +273,7 @@ auto ProxyTracker<Field>::update(const vec3<Scalar>& stylus) noexcept -> Contact
 
 template <HeightField Field>
 auto ProxyTracker<Field>::search(const vec3<Scalar>& stylus) noexcept -> Contact<Scalar> {
-    const glm::dvec3 from = state_.swept_to, to = widen(stylus);
+    const Place from = state_.swept_to, to = detail::widen_to<F>(stylus);
     const bool went_on = state_.phase == Phase::searching;
     state_.leaving = went_on && state_.leaving;
     const auto hit =
@@ -296,7 +301,7 @@ template <HeightField Field>
 auto ProxyTracker<Field>::update_contact(const vec3<Scalar>& stylus, int patches) noexcept
     -> Contact<Scalar> {
     const Work work{patches, slide_allowance(state_.swept_to, stylus), false};
-    state_.swept_to = widen(stylus);
+    state_.swept_to = detail::widen_to<F>(stylus);
     DescentProgress<Scalar> progress;
     const auto found =
         detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, slide_allowed(work)), progress);
@@ -309,7 +314,7 @@ auto ProxyTracker<Field>::update_contact(const vec3<Scalar>& stylus, int patches
 
 template <HeightField Field>
 auto ProxyTracker<Field>::resume_contact(const vec3<Scalar>& stylus) noexcept -> Contact<Scalar> {
-    const glm::dvec3 to = widen(stylus);
+    const Place to = detail::widen_to<F>(stylus);
     if (state_.phase == Phase::sliding && to != state_.swept_to) {
         state_.phase = Phase::contact;
         return update_contact(stylus, 0);
@@ -341,7 +346,7 @@ auto ProxyTracker<Field>::finish_slide(const vec3<Scalar>& stylus, DescentResult
         work.patches += found.patches;
         work.slide -= found.patches;
         state_.proxy = found.point;
-        state_.swept_to = widen(stylus);
+        state_.swept_to = detail::widen_to<F>(stylus);
         // A user's own field may have heights that are none.
         const bool is_finite_there = is_finite(glm::dot(found.offset, found.offset));
         if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole ||
@@ -380,22 +385,23 @@ auto ProxyTracker<Field>::finish_slide(const vec3<Scalar>& stylus, DescentResult
 
         enter_face(hit, Phase::sliding);
         state_.reenters_at_once =
-            !cut_short && hit.t * std::sqrt(widen(state_.released_squared)) <= widen(rounding_bound(found));
+            !cut_short && hit.t * std::sqrt(detail::widen_to<F>(state_.released_squared)) <=
+                              detail::widen_to<F>(rounding_bound(found));
         progress = {};
         found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
     }
 }
 
 template <HeightField Field>
-auto ProxyTracker<Field>::cast(const glm::dvec3& from, const glm::dvec3& to, FirstHitOptions options,
-                               int max_cells) const noexcept -> FirstHit<Scalar> {
+auto ProxyTracker<Field>::cast(const Place& from, const Place& to, BasicFirstHitOptions<F> options,
+                               int max_cells) const noexcept -> Hit {
     options.surface = options_.surface;
     options.max_cells = max_cells;
     return detail::cast(*field_, from, to, options);
 }
 
 template <HeightField Field>
-double ProxyTracker<Field>::leaves_within(const vec3<Scalar>& stylus) const noexcept {
+auto ProxyTracker<Field>::leaves_within(const vec3<Scalar>& stylus) const noexcept -> F {
     if (!state_.leaving) return -1;
     // The segment begins on the surface, as far as the proxy is on it.
     Scalar off_surface = 0;
@@ -406,13 +412,13 @@ double ProxyTracker<Field>::leaves_within(const vec3<Scalar>& stylus) const noex
                                   DistanceFunction<Scalar>{*patch, seen}.gap(at.u, at.v)};
         off_surface = rounding_bound(offset, *patch);
     }
-    return widen(off_surface) + 8 * epsilon<double> * std::abs(widen(stylus.z));
+    return detail::widen_to<F>(off_surface) + 8 * epsilon<F> * std::abs(detail::widen_to<F>(stylus.z));
 }
 
 template <HeightField Field>
 auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cells, Work& work) noexcept
-    -> FirstHit<Scalar> {
-    const glm::dvec3 from = state_.swept_to, to = widen(stylus);
+    -> Hit {
+    const Place from = state_.swept_to, to = detail::widen_to<F>(stylus);
     const auto hit = cast(from, to, {.side = state_.search_side, .leaves_within = leaves_within(stylus)},
                           glm::max(1, max_cells));
     work.patches += static_cast<int>(hit.cells);
@@ -427,7 +433,7 @@ auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cell
 template <HeightField Field>
 void ProxyTracker<Field>::release(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) noexcept {
     state_.phase = Phase::releasing;
-    state_.swept_to = widen(stylus) + widen(found.offset);
+    state_.swept_to = detail::widen_to<F>(stylus) + detail::widen_to<F>(found.offset);
     state_.search_side = state_.side;
     state_.released_squared = glm::dot(found.offset, found.offset);
     state_.after_release = true;
@@ -435,14 +441,14 @@ void ProxyTracker<Field>::release(const vec3<Scalar>& stylus, const DescentResul
 }
 
 template <HeightField Field>
-void ProxyTracker<Field>::enter_face(const FirstHit<Scalar>& hit, Phase phase) noexcept {
+void ProxyTracker<Field>::enter_face(const Hit& hit, Phase phase) noexcept {
     state_.phase = phase;
     state_.side = hit.side;
     state_.proxy = hit.point;
 }
 
 template <HeightField Field>
-inline auto ProxyTracker<Field>::end_release(const vec3<Scalar>& stylus, const FirstHit<Scalar>& hit,
+inline auto ProxyTracker<Field>::end_release(const vec3<Scalar>& stylus, const Hit& hit,
                                              const DescentResult<Scalar>& found, int patches) noexcept
     -> Contact<Scalar> {
     if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
@@ -464,7 +470,7 @@ auto ProxyTracker<Field>::set_free(Side side, const vec3<Scalar>& stylus, int pa
     -> Contact<Scalar> {
     state_.phase = Phase::free;
     state_.side = side;
-    state_.swept_to = widen(stylus);
+    state_.swept_to = detail::widen_to<F>(stylus);
     const bool buried = side == Side::below && options_.surface == SurfaceKind::solid;
     return without_contact(side == Side::none ? ContactStatus::off_surface
                            : buried           ? ContactStatus::buried
@@ -475,7 +481,7 @@ auto ProxyTracker<Field>::set_free(Side side, const vec3<Scalar>& stylus, int pa
 template <HeightField Field>
 auto ProxyTracker<Field>::release_at_rim(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept
     -> Contact<Scalar> {
-    const glm::dvec3 here = widen(stylus);
+    const Place here = detail::widen_to<F>(stylus);
     const auto hit = cast(here, here, {}, 1); // for the side that the stylus is on
     Contact<Scalar> left = set_free(hit.side, stylus, patches + static_cast<int>(hit.cells));
     left.status =
@@ -492,7 +498,7 @@ template <HeightField Field>
 bool ProxyTracker<Field>::is_as_far_as_released(const DescentResult<Scalar>& found) const noexcept {
     if (found.status == DescentStatus::off_hole) return false; // edited away
     // A stylus on the surface is as far from it as u and v are rounded.
-    const glm::dvec2 spacing = field_->lattice().spacing();
+    const vec2<F> spacing = field_->lattice().spacing();
     const Scalar rounding =
         rounding_bound(found) + 8 * epsilon<Scalar> * static_cast<Scalar>(spacing.x + spacing.y);
     const auto nearer = [rounding](Scalar one, Scalar other) {
@@ -503,15 +509,13 @@ bool ProxyTracker<Field>::is_as_far_as_released(const DescentResult<Scalar>& fou
 }
 
 template <HeightField Field>
-int ProxyTracker<Field>::slide_allowance(const glm::dvec3& before,
-                                         const vec3<Scalar>& stylus) const noexcept {
+int ProxyTracker<Field>::slide_allowance(const Place& before, const vec3<Scalar>& stylus) const noexcept {
     if (options_.max_contact_patches >= work_allowed()) return work_allowed();
-    const glm::dvec3 way = widen(stylus) - before;
-    const glm::dvec2 per_metre = field_->lattice().cells_per_metre();
-    const double cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
-    return static_cast<int>(
-        glm::min(static_cast<double>(glm::max(options_.max_contact_patches, 1)) + 2 * cells,
-                 static_cast<double>(work_allowed())));
+    const Place way = detail::widen_to<F>(stylus) - before;
+    const vec2<F> per_metre = field_->lattice().cells_per_metre();
+    const F cells = glm::max(std::abs(way.x) * per_metre.x, std::abs(way.y) * per_metre.y);
+    return static_cast<int>(glm::min(static_cast<F>(glm::max(options_.max_contact_patches, 1)) + 2 * cells,
+                                     static_cast<F>(work_allowed())));
 }
 
 template <HeightField Field>

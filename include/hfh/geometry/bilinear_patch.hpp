@@ -72,6 +72,20 @@ template <Real T>
     return {widen(p.p00), widen(p.p10), widen(p.p01), widen(p.p11), {widen(p.spacing.x), widen(p.spacing.y)}};
 }
 
+namespace detail {
+
+/// The same patch in F, which holds all that its own scalar holds.
+template <Real F>
+[[nodiscard]] constexpr const BilinearPatch<F>& widen_to(const BilinearPatch<F>& p) noexcept {
+    return p;
+}
+template <std::same_as<double>>
+[[nodiscard]] constexpr BilinearPatch<double> widen_to(const BilinearPatch<float>& p) noexcept {
+    return widen(p);
+}
+
+} // namespace detail
+
 } // namespace hfh
 
 #endif // HFH_GEOMETRY_BILINEAR_PATCH_HPP

@@ -84,22 +84,54 @@ template <Real T>
            least <= spacing.y && spacing.y <= most;
 }
 
+namespace detail {
+
+/// metres − lines·spacing, where a line is the number of a grid line. In float it is rounded once, at the end: so two
+/// cells see one point at places that are one spacing apart, as far as these can be told, and not to a rounding of `metres`.
+template <Real F>
+[[nodiscard]] constexpr F from_line(F metres, F lines, F spacing) noexcept {
+    if constexpr (std::same_as<F, float>) {
+        if (std::is_constant_evaluated())
+            return static_cast<float>(widen(metres) - widen(lines) * widen(spacing)); // the product is exact
+        return std::fma(-lines, spacing, metres);
+    } else {
+        return metres - lines * spacing;
+    }
+}
+
+/// Up to which cell positions in F can tell where in a cell they are: from 2²² on a float has no more than half cells.
+template <Real F>
+inline constexpr Index farthest_countable = std::same_as<F, float> ? (Index{1} << 22) - 1
+                                                                   : CellRange::endless().end.i;
+
+} // namespace detail
+
 /// The horizontal frame of a height field: grid line i is x = x₀ + i·dx, grid line j is y = y₀ + j·dy.
 ///
-/// Always in double. The corner of a cell is subtracted before anything is rounded to the scalar, which is
-/// what keeps a float field accurate far from the origin: rounding first loses 4 mm at 40 km, 1 m at 10⁷ m.
-class Lattice {
+/// F is what places are computed in, and by the field's lattice all that a tracker and a cast compute of positions:
+/// - double (`Lattice`) is right for every frame, also for a field with Scalar float. The corner of a cell is subtracted
+///   before anything is rounded to the scalar, which is what keeps a float field accurate far from the origin: rounding
+///   first loses 4 mm at 40 km, 1 m at 10⁷ m.
+/// - float (`FloatLattice`) is for processors without a double, with Scalar float, and for a frame near the origin: one
+///   whose corners are no more than some thousands of cells from (0, 0). There a position in float tells a thousandth of a
+///   cell or less, and nothing here loses more than that: x − x₀ is rounded as x is, and i·dx is subtracted exactly. Farther
+///   off the surface is where it is to a rounding of the position, but slopes are felt in steps of that rounding. Origin and
+///   spacing are rounded to float.
+template <Real F>
+class BasicLattice {
 public:
-    constexpr Lattice() noexcept = default;
+    using Scalar = F;
+
+    constexpr BasicLattice() noexcept = default;
 
     /// Origin (x₀, y₀) and spacing (dx, dy) in metres. Precondition: all finite, dx > 0, dy > 0 (`valid()`). As every
     /// function marked GLM_CONSTEXPR, constexpr where GLM's vectors are, which is everywhere but under GLM_FORCE_INTRINSICS.
-    GLM_CONSTEXPR Lattice(glm::dvec2 origin, glm::dvec2 spacing) noexcept
-        : origin_{origin}, spacing_{spacing}, per_metre_{1.0 / spacing.x, 1.0 / spacing.y} {}
+    GLM_CONSTEXPR BasicLattice(vec2<F> origin, vec2<F> spacing) noexcept
+        : origin_{origin}, spacing_{spacing}, per_metre_{F(1) / spacing.x, F(1) / spacing.y} {}
 
-    [[nodiscard]] constexpr glm::dvec2 origin() const noexcept { return origin_; }
-    [[nodiscard]] constexpr glm::dvec2 spacing() const noexcept { return spacing_; }
-    [[nodiscard]] constexpr glm::dvec2 cells_per_metre() const noexcept { return per_metre_; }
+    [[nodiscard]] constexpr vec2<F> origin() const noexcept { return origin_; }
+    [[nodiscard]] constexpr vec2<F> spacing() const noexcept { return spacing_; }
+    [[nodiscard]] constexpr vec2<F> cells_per_metre() const noexcept { return per_metre_; }
 
     [[nodiscard]] constexpr bool valid() const noexcept {
         return is_finite(origin_.x) && is_finite(origin_.y) && is_finite(spacing_.x) &&
@@ -108,33 +140,38 @@ public:
     }
 
     /// x in cells from grid line i: u = (x − x₀ − i·dx) / dx. Exact to a rounding of the result near line i.
-    [[nodiscard]] constexpr double u_of(double x, Index i) const noexcept {
-        return ((x - origin_.x) - static_cast<double>(i) * spacing_.x) * per_metre_.x;
+    [[nodiscard]] constexpr F u_of(F x, Index i) const noexcept {
+        return detail::from_line(x - origin_.x, static_cast<F>(i), spacing_.x) * per_metre_.x;
     }
     /// y in cells from grid line j.
-    [[nodiscard]] constexpr double v_of(double y, Index j) const noexcept {
-        return ((y - origin_.y) - static_cast<double>(j) * spacing_.y) * per_metre_.y;
+    [[nodiscard]] constexpr F v_of(F y, Index j) const noexcept {
+        return detail::from_line(y - origin_.y, static_cast<F>(j), spacing_.y) * per_metre_.y;
     }
 
     /// The point p seen from cell c. Eq. (6)-(7) [P] solved for u and v.
     template <Real T>
     [[nodiscard]] constexpr CellPoint<T> locate(const vec3<T>& p, Cell c) const noexcept {
-        return {static_cast<T>(u_of(widen(p.x), c.i)), static_cast<T>(v_of(widen(p.y), c.j)), p.z};
+        return {static_cast<T>(u_of(detail::widen_to<F>(p.x), c.i)),
+                static_cast<T>(v_of(detail::widen_to<F>(p.y), c.j)), p.z};
     }
 
-    /// Whether column and row numbers of p can be computed at all (an Index holds them, a double counts them).
+    /// Whether column and row numbers of p can be computed at all (an Index holds them, an F counts them).
     template <Real T>
     [[nodiscard]] constexpr bool reaches(const vec3<T>& p) const noexcept {
-        constexpr double farthest = static_cast<double>(CellRange::endless().end.i);
-        const double u = (widen(p.x) - origin_.x) * per_metre_.x, v = (widen(p.y) - origin_.y) * per_metre_.y;
+        constexpr F farthest = static_cast<F>(detail::farthest_countable<F>);
+        const F u = (detail::widen_to<F>(p.x) - origin_.x) * per_metre_.x,
+                v = (detail::widen_to<F>(p.y) - origin_.y) * per_metre_.y;
         return -farthest < u && u < farthest && -farthest < v && v < farthest;
     }
 
 private:
-    glm::dvec2 origin_{0.0};
-    glm::dvec2 spacing_{1.0};
-    glm::dvec2 per_metre_{1.0};
+    vec2<F> origin_{F(0)};
+    vec2<F> spacing_{F(1)};
+    vec2<F> per_metre_{F(1)};
 };
+
+using Lattice = BasicLattice<double>;
+using FloatLattice = BasicLattice<float>;
 
 } // namespace hfh
 

@@ -164,6 +164,28 @@ template <std::same_as<double> T>
     return p;
 }
 
+namespace detail {
+
+/// x in F, which holds all that its own type holds: to the bit.
+template <Real F>
+[[nodiscard]] constexpr F widen_to(F x) noexcept {
+    return x;
+}
+template <Real F>
+[[nodiscard]] constexpr const vec3<F>& widen_to(const vec3<F>& p) noexcept {
+    return p;
+}
+template <std::same_as<double>>
+[[nodiscard]] constexpr double widen_to(float x) noexcept {
+    return widen(x);
+}
+template <std::same_as<double>>
+[[nodiscard]] constexpr glm::dvec3 widen_to(const vec3<float>& p) noexcept {
+    return widen(p);
+}
+
+} // namespace detail
+
 } // namespace hfh
 
 #endif // HFH_GEOMETRY_SCALAR_HPP

@@ -46,14 +46,16 @@ enum class GridStatus : unsigned char {
 ///
 /// A sample is a hole where its source says so, and where its height is NaN, infinite, or `longest` metres or more in size
 /// (2³¹ in float, 2²⁵⁵ in double). So a "no data" value of that size need not be declared.
-template <Real T, HeightSource Heights = HeightView<T>>
+///
+/// Its lattice computes places in F: double, or with T float also float, for a processor without a double (`BasicLattice`).
+template <Real T, HeightSource Heights = HeightView<T>, Real F = double>
 class BilinearGrid {
 public:
     using Scalar = T;
     using SampleType = typename Heights::SampleType;
 
     constexpr BilinearGrid(Heights heights, const GridFrame& frame) noexcept
-        : heights_{heights}, lattice_{frame.origin, frame.spacing}, spacing_{frame.spacing},
+        : heights_{heights}, lattice_{vec2<F>{frame.origin}, vec2<F>{frame.spacing}}, spacing_{frame.spacing},
           height_scale_{static_cast<T>(frame.height_scale)}, height_offset_{
                                                                  static_cast<T>(frame.height_offset)} {
         if (heights.columns() < 2 || heights.rows() < 2) {
@@ -70,7 +72,7 @@ public:
 
     [[nodiscard]] constexpr GridStatus status() const noexcept { return status_; }
     [[nodiscard]] constexpr const Heights& heights() const noexcept { return heights_; }
-    [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return lattice_; }
+    [[nodiscard]] constexpr const BasicLattice<F>& lattice() const noexcept { return lattice_; }
 
     [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
 
@@ -144,7 +146,7 @@ private:
 
     Heights heights_;
     CellRange cells_{};
-    Lattice lattice_;
+    BasicLattice<F> lattice_;
     vec2<T> spacing_;
     T height_scale_;
     T height_offset_;

@@ -38,7 +38,7 @@ public:
         : field_{&field}, widest_{std::clamp<Index>(widest, 0, 1000)} {}
     BridgedField(const Field&&, Index) = delete; // the field must outlive this one
 
-    [[nodiscard]] constexpr Lattice lattice() const noexcept { return field_->lattice(); }
+    [[nodiscard]] constexpr auto lattice() const noexcept { return field_->lattice(); }
     [[nodiscard]] constexpr CellRange cells() const noexcept { return field_->cells(); }
     [[nodiscard]] constexpr std::optional<BilinearPatch<Scalar>> patch(Cell c) const noexcept {
         auto found = field_->patch(c);

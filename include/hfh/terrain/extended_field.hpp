@@ -28,7 +28,7 @@ public:
     constexpr explicit ExtendedField(const Field& field) noexcept : field_{&field} {}
     explicit ExtendedField(const Field&&) = delete; // the field must outlive this one
 
-    [[nodiscard]] constexpr Lattice lattice() const noexcept { return field_->lattice(); }
+    [[nodiscard]] constexpr auto lattice() const noexcept { return field_->lattice(); }
     [[nodiscard]] constexpr CellRange cells() const noexcept {
         return field_->cells().empty() ? CellRange{} : CellRange::endless();
     }

@@ -4,15 +4,24 @@
 #include <hfh/geometry/bilinear_patch.hpp>
 #include <hfh/geometry/lattice.hpp>
 
+#include <concepts>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 namespace hfh {
+
+/// What places on a field are computed in, by the type of its lattice: double, or float for a `FloatLattice`.
+template <class Field>
+using FrameScalar = std::conditional_t<
+    std::same_as<std::remove_cvref_t<decltype(std::declval<const Field&>().lattice())>, FloatLattice>, float,
+    double>;
 
 /// What every algorithm of the library asks of a terrain. `BilinearGrid` is a height field; a formula, a tiled store or a
 /// terrain engine becomes one by having
 ///
 ///     using Scalar = float or double;
-///     Lattice   lattice() const noexcept;       the grid lines
+///     Lattice   lattice() const noexcept;       the grid lines; `FloatLattice` for a processor without a double
 ///     CellRange cells()   const noexcept;       the cells that may hold a patch
 ///     std::optional<BilinearPatch<Scalar>> patch(Cell) const noexcept;
 ///
@@ -24,7 +33,8 @@ namespace hfh {
 template <class F>
 concept HeightField = Real<typename F::Scalar>
     && requires(const F& field, Cell cell) {
-        { field.lattice() } noexcept -> std::convertible_to<Lattice>;
+        { field.lattice() } noexcept -> std::convertible_to<BasicLattice<FrameScalar<F>>>;
+        requires sizeof(FrameScalar<F>) >= sizeof(typename F::Scalar);
         { field.cells() } noexcept -> std::same_as<CellRange>;
         { field.patch(cell) } noexcept -> std::same_as<std::optional<BilinearPatch<typename F::Scalar>>>;
     };

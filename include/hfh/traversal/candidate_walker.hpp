@@ -14,12 +14,14 @@
 
 namespace hfh {
 
-/// The part of a segment a → b over one cell.
-struct CellSpan {
+/// The part of a segment a → b over one cell. F is what the lattice computes in.
+template <Real F>
+struct BasicCellSpan {
     Cell cell;
-    double t_in, t_out; ///< 0 ≤ t_in ≤ t_out ≤ 1 along a → b
-    glm::dvec2 in, out; ///< (u, v) there, in [0, 1]; exactly 0 or 1 on the grid line that is crossed
+    F t_in, t_out;   ///< 0 ≤ t_in ≤ t_out ≤ 1 along a → b
+    vec2<F> in, out; ///< (u, v) there, in [0, 1]; exactly 0 or 1 on the grid line that is crossed
 };
+using CellSpan = BasicCellSpan<double>;
 
 /// Visits the cells under the segment a → b (its supercover), in the order of the segment, each exactly once, and none is
 /// missed: every cell of `range` whose closed rectangle the projection meets. A segment along a grid line visits the
@@ -27,16 +29,16 @@ struct CellSpan {
 /// cells around its foot. Spans join: each begins where the one before ended, and the first at the border if a lies
 /// outside. The only rounding is that of the crossing times, an ulp or so of t.
 ///
-/// `visit(const CellSpan&)` returns true to go on, false to stop.
+/// `visit(const BasicCellSpan<F>&)` returns true to go on, false to stop.
 /// a and b must be finite and within reach of the lattice (`Lattice::reaches`). O(cells passed); no allocation.
-template <class Visitor>
-void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2& a, const glm::dvec2& b,
+template <Real F, class Visitor>
+void walk_cells(const BasicLattice<F>& lattice, const CellRange& range, const vec2<F>& a, const vec2<F>& b,
                 Visitor&& visit) noexcept;
 
 /// Visits the candidate patches of §4.3.1 [P]: of the cells under a → b those that hold a patch which the part of
 /// the segment over it may touch, that is, whose highest corner is not below the lowest point of that part.
 ///
-/// `visit(const CellSpan&, const BilinearPatch<Scalar>&)` returns true to go on, false to stop.
+/// `visit(const BasicCellSpan<F>&, const BilinearPatch<Scalar>&)` returns true to go on, false to stop.
 template <HeightField Field, Real T, class Visitor>
 void walk_candidates(const Field& field, const vec3<T>& a, const vec3<T>& b, Visitor&& visit) noexcept;
 
@@ -44,15 +46,27 @@ namespace detail {
 
 /// One coordinate of a point, as the number of a cell and the rest in metres: 0 ≤ rest < spacing, but for the rounding of
 /// the rest.
+template <Real F>
 struct CellCoordinate {
     Index cell;
-    double rest;
+    F rest;
 };
 
-[[nodiscard]] inline CellCoordinate cell_coordinate(double x, double origin, double spacing,
-                                                    double cells_per_metre) noexcept {
+template <Real F>
+[[nodiscard]] inline CellCoordinate<F> cell_coordinate(F x, F origin, F spacing, F cells_per_metre) noexcept {
     // The product may round across a grid line, as 49·(1/49) < 1 does. So the result is compared with the lines.
-    const double offset = x - origin, number = std::floor(offset * cells_per_metre);
+    const F offset = x - origin;
+    if constexpr (std::same_as<F, float>) {
+        // Rounded towards zero, which is one instruction and at the most one cell too far.
+        const auto cell = static_cast<Index>(offset * cells_per_metre);
+        const auto rest_from = [&](Index line) { return from_line(offset, static_cast<F>(line), spacing); };
+        const F rest = rest_from(cell);
+        if (rest < 0) return {cell - 1, rest_from(cell - 1)};
+        const F beyond = rest_from(cell + 1);
+        if (beyond >= 0) return {cell + 1, beyond};
+        return {cell, rest};
+    }
+    const F number = std::floor(offset * cells_per_metre);
     const auto cell = static_cast<Index>(number);
     if (offset < number * spacing) return {cell - 1, offset - (number - 1) * spacing};
     if (offset >= (number + 1) * spacing) return {cell + 1, offset - (number + 1) * spacing};
@@ -65,25 +79,26 @@ struct CellCoordinate {
 /// the two axes agree to the bit on when a vertex is passed. A *parameter* is a place in a cell, u or v, from 0 to 1.
 ///
 /// The sign of the direction enters as a number, 0 or 1, and not as a branch, which a processor would often predict wrong.
+template <Real F>
 struct AxisWalk {
-    static constexpr double never = 2; ///< later than any t of a segment
+    static constexpr F never = 2; ///< later than any t of a segment
 
     Index base;                        ///< the cell of a; lengths are measured from its lower line
     Index start_cell, cell, goal_cell; ///< where the traversal begins, is, and ends
     Index step;                        ///< +1, −1, or 0 for a segment that does not move along this axis
     Index exit_side; ///< cell i is left over line i + exit_side: 1 if the segment goes up, else 0
-    double spacing, cells_per_metre;
-    double a, d;                            ///< start and displacement, in metres from line `base`
-    double start_parameter, goal_parameter; ///< of a in `start_cell`, and of b in `goal_cell`
-    bool on_line;          ///< the whole segment lies on the line between `cell − 1` and `cell`
-    Index goal_line;       ///< the grid line that b is on, if any
-    double t_exit = never; ///< when the segment goes on from `cell` into the next one
+    F spacing, cells_per_metre;
+    F a, d;                            ///< start and displacement, in metres from line `base`
+    F start_parameter, goal_parameter; ///< of a in `start_cell`, and of b in `goal_cell`
+    bool on_line;                      ///< the whole segment lies on the line between `cell − 1` and `cell`
+    Index goal_line;                   ///< the grid line that b is on, if any
+    F t_exit = never;                  ///< when the segment goes on from `cell` into the next one
     bool entered_before =
         false; ///< after `skip_to(t, …)`: the line over which `cell` is entered was crossed before t
 
     /// From `from` to `goal`, `displacement` metres further.
-    AxisWalk(const CellCoordinate& from, const CellCoordinate& goal, double displacement, double dx,
-             double per_metre) noexcept
+    AxisWalk(const CellCoordinate<F>& from, const CellCoordinate<F>& goal, F displacement, F dx,
+             F per_metre) noexcept
         : spacing{dx}, cells_per_metre{per_metre}, d{displacement} {
         base = cell = from.cell;
         goal_cell = goal.cell;
@@ -103,31 +118,39 @@ struct AxisWalk {
     }
 
     /// The parameter of a place so far from the lower line of its cell.
-    [[nodiscard]] double parameter(double metres) const noexcept {
-        return glm::clamp(metres * cells_per_metre, 0.0, 1.0);
+    [[nodiscard]] F parameter(F metres) const noexcept {
+        return glm::clamp(metres * cells_per_metre, F(0), F(1));
     }
     /// The parameter at t in the current cell.
-    [[nodiscard]] double parameter_at(double t) const noexcept {
+    [[nodiscard]] F parameter_at(F t) const noexcept {
         if (t == 0 && cell == start_cell) return start_parameter;
         if (t == 1 && cell == goal_cell) return goal_parameter;
-        return parameter((a - static_cast<double>(cell - base) * spacing) + t * d);
+        return parameter(from_line(a, static_cast<F>(cell - base), spacing) + t * d);
     }
     /// The parameter of the line over which the current cell is left: 1 or 0.
-    [[nodiscard]] double exit_parameter() const noexcept { return static_cast<double>(exit_side); }
+    [[nodiscard]] F exit_parameter() const noexcept { return static_cast<F>(exit_side); }
     /// The parameter at t, where the traversal begins in the current cell: exact on a line that is crossed at t.
-    [[nodiscard]] double entry_parameter(double t) const noexcept {
+    [[nodiscard]] F entry_parameter(F t) const noexcept {
         if (cell != start_cell && !entered_before && line_time(cell + 1 - exit_side) >= t)
             return 1 - exit_parameter();
         return t_exit <= t ? exit_parameter() : parameter_at(t);
     }
 
+    /// Metres from a to the line with this number, counted from `base`.
+    [[nodiscard]] F to_line(F line) const noexcept {
+        if constexpr (std::same_as<F, float>) {
+            return std::fma(line, spacing, -a);
+        } else {
+            return line * spacing - a;
+        }
+    }
     /// When the segment is on grid line i. Precondition: step ≠ 0.
-    [[nodiscard]] double line_time(Index i) const noexcept {
+    [[nodiscard]] F line_time(Index i) const noexcept {
         if (i == goal_line) return 1; // to the bit, also where a and d are rounded
-        return glm::clamp((static_cast<double>(i - base) * spacing - a) / d, 0.0, 1.0);
+        return glm::clamp(to_line(static_cast<F>(i - base)) / d, F(0), F(1));
     }
     /// When the segment leaves the current cell for the next one.
-    [[nodiscard]] double exit_time() const noexcept {
+    [[nodiscard]] F exit_time() const noexcept {
         return cell == goal_cell ? never : line_time(cell + exit_side);
     }
 
@@ -146,7 +169,7 @@ struct AxisWalk {
     }
 
     /// Narrows the times [t_enter, t_leave] to those in the cells begin ≤ i < end. False if the segment is never there.
-    [[nodiscard]] bool clip(Index begin, Index end, double& t_enter, double& t_leave) const noexcept {
+    [[nodiscard]] bool clip(Index begin, Index end, F& t_enter, F& t_leave) const noexcept {
         if (step == 0) return (begin <= start_cell && start_cell < end) || (on_line && start_cell == end);
         const Index lowest = glm::min(start_cell, goal_cell), highest = glm::max(start_cell, goal_cell);
         if (highest < begin || lowest >= end) return false;
@@ -158,14 +181,14 @@ struct AxisWalk {
         return true;
     }
     /// Goes to the earliest cell of begin ≤ i < end that holds the position at t > 0.
-    void skip_to(double t, Index begin, Index end) noexcept {
+    void skip_to(F t, Index begin, Index end) noexcept {
         if (step == 0) return;
         // Begins in a cell that is entered before t, whatever the rounding, and ends at the latest in the last of both
         // the segment and the range.
-        const double number = (a + t * d) * cells_per_metre;
-        const double rounding_bound = 64 * epsilon<double> * (std::abs(number) + 2);
+        const F number = (a + t * d) * cells_per_metre;
+        const F rounding_bound = 64 * epsilon<F> * (std::abs(number) + 2);
         const auto earliest =
-            base + static_cast<Index>(std::floor(number - static_cast<double>(step) * rounding_bound));
+            base + static_cast<Index>(std::floor(number - static_cast<F>(step) * rounding_bound));
         cell = glm::clamp(earliest, glm::min(start_cell, goal_cell), glm::max(start_cell, goal_cell));
         cell = glm::clamp(cell, begin, end - 1);
         entered_before = cell == earliest;
@@ -175,27 +198,29 @@ struct AxisWalk {
 };
 
 /// How a segment leaves a cell: over a line of x, over one of y, over both at a vertex, or over none where it ends.
+template <Real F>
 struct CellExit {
-    double t;
-    glm::dvec2 at; ///< (u, v) there, in the cell that is left
+    F t;
+    vec2<F> at; ///< (u, v) there, in the cell that is left
     bool over_x, over_y;
 
     [[nodiscard]] bool ends() const noexcept { return !over_x && !over_y; }
     [[nodiscard]] bool at_vertex() const noexcept { return over_x && over_y; }
     /// u, as the next cell along x sees it.
-    [[nodiscard]] double next_u() const noexcept { return over_x ? 1 - at.x : at.x; }
-    [[nodiscard]] double next_v() const noexcept { return over_y ? 1 - at.y : at.y; }
+    [[nodiscard]] F next_u() const noexcept { return over_x ? 1 - at.x : at.x; }
+    [[nodiscard]] F next_v() const noexcept { return over_y ? 1 - at.y : at.y; }
 };
 
 /// The traversal of `walk_cells`. It can be stopped and gone on with, and can pass over cells: what it finds in a cell is
 /// the same to the bit.
+template <Real F>
 struct CellWalk {
-    AxisWalk x, y;
-    double t = AxisWalk::never; ///< when the segment enters the cell that is visited next
-    glm::dvec2 in{};            ///< (u, v) there, if `in_known`
-    bool in_known = false;      ///< else it is computed when the cell is visited
+    AxisWalk<F> x, y;
+    F t = AxisWalk<F>::never; ///< when the segment enters the cell that is visited next
+    vec2<F> in{};             ///< (u, v) there, if `in_known`
+    bool in_known = false;    ///< else it is computed when the cell is visited
 
-    CellWalk(const Lattice& lattice, const glm::dvec2& a, const glm::dvec2& b) noexcept
+    CellWalk(const BasicLattice<F>& lattice, const vec2<F>& a, const vec2<F>& b) noexcept
         : x{cell_coordinate(a.x, lattice.origin().x, lattice.spacing().x, lattice.cells_per_metre().x),
             cell_coordinate(b.x, lattice.origin().x, lattice.spacing().x, lattice.cells_per_metre().x),
             b.x - a.x, lattice.spacing().x, lattice.cells_per_metre().x},
@@ -205,7 +230,7 @@ struct CellWalk {
 
     /// Goes to the first cell of the range, once, before anything else. False if the segment is never there.
     [[nodiscard]] bool enter(const CellRange& range) noexcept {
-        double t_enter = 0, t_leave = 1;
+        F t_enter = 0, t_leave = 1;
         if (range.empty() || !x.clip(range.begin.i, range.end.i, t_enter, t_leave) ||
             !y.clip(range.begin.j, range.end.j, t_enter, t_leave) || t_enter > t_leave) {
             return false;
@@ -218,7 +243,7 @@ struct CellWalk {
         return true;
     }
     /// Goes on from the cell to which both axes were moved, which the segment enters at `when`.
-    void go_on_at(double when) noexcept {
+    void go_on_at(F when) noexcept {
         t = when;
         in_known = false;
     }
@@ -227,13 +252,13 @@ struct CellWalk {
     /// visitor stopped it, or the segment left `range` or ended.
     template <class Visitor>
     bool visit(const CellRange& range, const CellRange& part, Visitor&& visitor) noexcept {
-        const auto visit_beside = [&](const CellSpan& span) {
+        const auto visit_beside = [&](const BasicCellSpan<F>& span) {
             return !range.contains(span.cell) || visitor(span);
         };
         if (!in_known) locate_entry();
         for (;;) {
-            const CellExit exit = next_exit();
-            const CellSpan span{{x.cell, y.cell}, t, exit.t, in, exit.at};
+            const CellExit<F> exit = next_exit();
+            const BasicCellSpan<F> span{{x.cell, y.cell}, t, exit.t, in, exit.at};
             if ((x.on_line || y.on_line) && !visit_beside_line(span, visit_beside)) return false;
             if (range.contains(span.cell) && !visitor(span)) return false;
             if (exit.ends()) return false;
@@ -262,9 +287,9 @@ private:
     }
 
     /// Where the segment leaves the current cell.
-    [[nodiscard, gnu::always_inline]] CellExit next_exit() const noexcept {
-        CellExit exit{glm::max(t, glm::min(glm::min(x.t_exit, y.t_exit), 1.0)), in,
-                      x.t_exit <= y.t_exit && x.t_exit <= 1, y.t_exit <= x.t_exit && y.t_exit <= 1};
+    [[nodiscard, gnu::always_inline]] CellExit<F> next_exit() const noexcept {
+        CellExit<F> exit{glm::max(t, glm::min(glm::min(x.t_exit, y.t_exit), F(1))), in,
+                         x.t_exit <= y.t_exit && x.t_exit <= 1, y.t_exit <= x.t_exit && y.t_exit <= 1};
         if (exit.over_x) {
             exit.at.x = x.exit_parameter();
         } else if (exit.t > t) {
@@ -279,7 +304,7 @@ private:
     }
 
     /// Goes over the line, or the vertex, into the next cell.
-    [[gnu::always_inline]] void cross(const CellExit& exit) noexcept {
+    [[gnu::always_inline]] void cross(const CellExit<F>& exit) noexcept {
         in = {exit.next_u(), exit.next_v()};
         if (exit.over_x) x.advance();
         if (exit.over_y) y.advance();
@@ -289,10 +314,10 @@ private:
     /// Visits the cell on the other side of the line along which the segment goes; the three others around the vertex over
     /// which it stands. They have the span on their border.
     template <class Visitor>
-    bool visit_beside_line(const CellSpan& span, Visitor&& visitor) const noexcept {
+    bool visit_beside_line(const BasicCellSpan<F>& span, Visitor&& visitor) const noexcept {
         for (const auto [left, below] : {Cell{1, 1}, Cell{0, 1}, Cell{1, 0}}) {
             if ((left > 0 && !x.on_line) || (below > 0 && !y.on_line)) continue;
-            CellSpan beside = span;
+            BasicCellSpan<F> beside = span;
             beside.cell = {x.cell - left, y.cell - below};
             if (left > 0) beside.in.x = beside.out.x = 1;
             if (below > 0) beside.in.y = beside.out.y = 1;
@@ -303,11 +328,11 @@ private:
 
     /// Visits the two cells that the segment touches at the vertex over which it leaves the current one.
     template <class Visitor>
-    bool visit_beside_vertex(const CellExit& exit, Visitor&& visitor) const noexcept {
+    bool visit_beside_vertex(const CellExit<F>& exit, Visitor&& visitor) const noexcept {
         for (const bool along_x : {true, false}) {
-            const glm::dvec2 at{along_x ? exit.next_u() : exit.at.x, along_x ? exit.at.y : exit.next_v()};
+            const vec2<F> at{along_x ? exit.next_u() : exit.at.x, along_x ? exit.at.y : exit.next_v()};
             const Cell cell = along_x ? Cell{x.cell + x.step, y.cell} : Cell{x.cell, y.cell + y.step};
-            if (!visitor(CellSpan{cell, exit.t, exit.t, at, at})) return false;
+            if (!visitor(BasicCellSpan<F>{cell, exit.t, exit.t, at, at})) return false;
         }
         return true;
     }
@@ -315,23 +340,25 @@ private:
 
 } // namespace detail
 
-template <class Visitor>
-void walk_cells(const Lattice& lattice, const CellRange& range, const glm::dvec2& a, const glm::dvec2& b,
+template <Real F, class Visitor>
+void walk_cells(const BasicLattice<F>& lattice, const CellRange& range, const vec2<F>& a, const vec2<F>& b,
                 Visitor&& visit) noexcept {
-    detail::CellWalk walk{lattice, a, b};
+    detail::CellWalk<F> walk{lattice, a, b};
     if (walk.enter(range)) walk.visit(range, range, visit);
 }
 
 template <HeightField Field, Real T, class Visitor>
 void walk_candidates(const Field& field, const vec3<T>& a, const vec3<T>& b, Visitor&& visit) noexcept {
-    const glm::dvec3 from = widen(a), to = widen(b);
-    walk_cells(field.lattice(), field.cells(), {from.x, from.y}, {to.x, to.y}, [&](const CellSpan& span) {
-        const auto patch = field.patch(span.cell);
-        if (!patch) return true;
-        const double z_in = (1 - span.t_in) * from.z + span.t_in * to.z;
-        const double z_out = (1 - span.t_out) * from.z + span.t_out * to.z;
-        return glm::min(z_in, z_out) > widen(patch->highest()) || visit(span, *patch);
-    });
+    using F = FrameScalar<Field>;
+    const vec3<F> from = detail::widen_to<F>(a), to = detail::widen_to<F>(b);
+    walk_cells<F>(
+        field.lattice(), field.cells(), {from.x, from.y}, {to.x, to.y}, [&](const BasicCellSpan<F>& span) {
+            const auto patch = field.patch(span.cell);
+            if (!patch) return true;
+            const F z_in = (1 - span.t_in) * from.z + span.t_in * to.z;
+            const F z_out = (1 - span.t_out) * from.z + span.t_out * to.z;
+            return glm::min(z_in, z_out) > detail::widen_to<F>(patch->highest()) || visit(span, *patch);
+        });
 }
 
 } // namespace hfh

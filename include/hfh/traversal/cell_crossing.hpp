@@ -22,35 +22,39 @@ namespace hfh::detail {
 
 /// Smallest s in [0, 1] after which f(s) = f0 + (f1 − f0 − a) s + a s² is negative, given f0 ≥ 0; > 1 if none.
 /// A tangent that only touches is no crossing. Roots in the forms that do not cancel.
-[[nodiscard]] inline double first_descent(double f0, double f1, double a) noexcept {
-    constexpr double none = 2;
-    const double b = f1 - f0 - a;
-    const double discriminant = b * b - 4 * a * f0;
+template <Real F>
+[[nodiscard]] inline F first_descent(F f0, F f1, F a) noexcept {
+    constexpr F none = 2;
+    const F b = f1 - f0 - a;
+    const F discriminant = b * b - 4 * a * f0;
     if (f1 >= 0 && !(a > 0 && b < 0 && -b < 2 * a && discriminant > 0)) return none;
-    const double root = std::sqrt(glm::max(discriminant, 0.0));
-    const double s = b < 0 ? 2 * f0 / (root - b) : (b + root) / (-2 * a);
-    return glm::clamp(s, 0.0, 1.0);
+    const F root = std::sqrt(glm::max(discriminant, F(0)));
+    const F s = b < 0 ? 2 * f0 / (root - b) : (b + root) / (-2 * a);
+    return glm::clamp(s, F(0), F(1));
 }
 
 /// +1 above, −1 below: the sign of f on that side.
-[[nodiscard]] inline double sign_of(Side side) noexcept { return side == Side::above ? 1 : -1; }
+template <Real F>
+[[nodiscard]] inline F sign_of(Side side) noexcept {
+    return side == Side::above ? F(1) : F(-1);
+}
 
 /// The part of a segment over one patch, or what is left of it behind a crossing.
+template <Real F>
 struct SegmentOverPatch {
-    BilinearPatch<double> patch;
-    double t_in, t_out; ///< along the segment
-    glm::dvec2 in, out; ///< (u, v) there
-    double f_in, f_out; ///< heights above the surface there, in metres: f₀ and f₁
+    BilinearPatch<F> patch;
+    F t_in, t_out;   ///< along the segment
+    vec2<F> in, out; ///< (u, v) there
+    F f_in, f_out;   ///< heights above the surface there, in metres: f₀ and f₁
 
     /// The part over the cell, where the segment's height goes from z_in to z_out.
-    SegmentOverPatch(const BilinearPatch<double>& over, const CellSpan& span, double z_in,
-                     double z_out) noexcept
+    SegmentOverPatch(const BilinearPatch<F>& over, const BasicCellSpan<F>& span, F z_in, F z_out) noexcept
         : patch{over}, t_in{span.t_in}, t_out{span.t_out}, in{span.in}, out{span.out},
           f_in{z_in - over.height(in.x, in.y)}, f_out{z_out - over.height(out.x, out.y)} {}
 
     /// The coefficient a of s².
-    [[nodiscard]] double quadratic() const noexcept {
-        const glm::dvec2 step = out - in;
+    [[nodiscard]] F quadratic() const noexcept {
+        const vec2<F> step = out - in;
         return -patch.twist() * step.x * step.y;
     }
 
@@ -60,16 +64,16 @@ struct SegmentOverPatch {
     /// is over this cell at one point only.
     [[nodiscard]] Side side_of_sheet() const noexcept {
         if (f_in != 0) return side_of_solid();
-        const double a = quadratic();
-        const double way = f_out != a ? f_out - a : a; // f'(0), or f″(0)/2 where that is 0
+        const F a = quadratic();
+        const F way = f_out != a ? f_out - a : a; // f'(0), or f″(0)/2 where that is 0
         if (way == 0) return Side::none;
         return way >= 0 ? Side::above : Side::below;
     }
 
     /// Goes to the first point after which the segment is no longer on `side`; false if it stays there to the end.
     [[nodiscard]] bool go_to_crossing(Side side) noexcept {
-        const double sign = sign_of(side);
-        const double s = first_descent(glm::max(sign * f_in, 0.0), sign * f_out, sign * quadratic());
+        const F sign = sign_of<F>(side);
+        const F s = first_descent(glm::max(sign * f_in, F(0)), sign * f_out, sign * quadratic());
         if (s > 1) return false;
         in += s * (out - in);
         t_in += s * (t_out - t_in);

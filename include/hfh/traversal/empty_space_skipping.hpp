@@ -54,16 +54,17 @@ template <bool x_major>
 
 /// A segment seen along its major axis. Lines and slabs are counted in the direction of the segment: line k is grid line
 /// `base` ± k of that axis, `base` being the cell in which the segment begins, and slab k lies between lines k and k + 1.
+template <Real F>
 class SegmentProfile {
 public:
     /// Where the segment is on a line: in cells along the minor axis, and in metres of height.
     struct LinePoint {
-        double minor, z;
+        F minor, z;
     };
     /// What the segment may touch between two lines: the cells begin ≤ n < end along the minor axis, and heights in metres.
     struct SlabPart {
         Index begin, end;
-        double lowest, highest;
+        F lowest, highest;
 
         [[nodiscard]] bool is_in(const IndexRange& range) const noexcept {
             return range.begin <= begin && end - 1 < range.end;
@@ -72,34 +73,34 @@ public:
 
     /// Of a segment whose height goes from az to bz. Precondition: it goes a cell along the major axis or more, and not
     /// less than along the minor one.
-    SegmentProfile(const AxisWalk& major, const AxisWalk& minor, double az, double bz) noexcept
+    SegmentProfile(const AxisWalk<F>& major, const AxisWalk<F>& minor, F az, F bz) noexcept
         : major_base_{major.base}, mirror_{major.exit_side - 1} {
         base_along_ = (major.base ^ mirror_) - mirror_;
         // t = (k − start)/length; the place along the minor axis and the height are linear in t.
-        const double length = std::abs(major.d * major.cells_per_metre), per_line = 1 / length;
-        const double start = major.a * major.cells_per_metre * static_cast<double>(major.step);
+        const F length = std::abs(major.d * major.cells_per_metre), per_line = 1 / length;
+        const F start = major.a * major.cells_per_metre * static_cast<F>(major.step);
         minor_step_ = minor.d * minor.cells_per_metre * per_line;
         z_step_ = (bz - az) * per_line;
         // Counted from below all cells that the segment passes, so that no number is negative: to round towards zero, which
         // is one instruction, is then to round down.
         const auto below = static_cast<Index>(length) + 4;
         minor_base_ = minor.base - below;
-        minor_ = minor.a * minor.cells_per_metre - start * minor_step_ + static_cast<double>(below);
+        minor_ = minor.a * minor.cells_per_metre - start * minor_step_ + static_cast<F>(below);
         z_ = az - start * z_step_;
         // Some ulps of the largest numbers that go in. Lines k are at most two cells beyond the ends. `major.a` and
         // `minor.a` have the rounding of the number of the cell.
-        minor_bound_ = 32 * epsilon<double> *
-                       (std::abs(static_cast<double>(major.base)) +
-                        std::abs(static_cast<double>(minor.base)) + length + 4);
+        minor_bound_ =
+            32 * epsilon<F> *
+            (std::abs(static_cast<F>(major.base)) + std::abs(static_cast<F>(minor.base)) + length + 4);
         // Denormal heights have a rounding of their own size.
-        z_bound_ = 32 * epsilon<double> * (std::abs(az) + std::abs(bz)) + minor_bound_ * std::abs(z_step_) +
-                   std::numeric_limits<double>::min();
+        z_bound_ = 32 * epsilon<F> * (std::abs(az) + std::abs(bz)) + minor_bound_ * std::abs(z_step_) +
+                   std::numeric_limits<F>::min();
         z_lowest_ = glm::min(az, bz) - z_bound_;
         z_highest_ = glm::max(az, bz) + z_bound_;
     }
 
     /// Whether the numbers of the cells are known well enough to be of use.
-    [[nodiscard]] bool usable() const noexcept { return minor_bound_ < 0.125; }
+    [[nodiscard]] bool usable() const noexcept { return minor_bound_ < F(0.125); }
 
     // n ^ 0 = n and n ^ −1 = −1 − n: both directions without a branch, which a processor would often predict wrong.
     /// The number of a slab's cells along the major axis.
@@ -116,7 +117,7 @@ public:
         return (base_along_ + slab) & (width - 1);
     }
 
-    [[nodiscard]] LinePoint on_line(double k) const noexcept {
+    [[nodiscard]] LinePoint on_line(F k) const noexcept {
         return {minor_ + k * minor_step_, z_ + k * z_step_};
     }
     [[nodiscard]] SlabPart between(const LinePoint& a, const LinePoint& b) const noexcept {
@@ -133,33 +134,35 @@ public:
 
 private:
     [[nodiscard]] Index first_cell_on(Index k) const noexcept {
-        const LinePoint point = on_line(static_cast<double>(k));
+        const LinePoint point = on_line(static_cast<F>(k));
         return between(point, point).begin;
     }
 
     Index major_base_;
-    Index mirror_;                            ///< −1 if the segment goes down along the major axis, else 0
-    Index minor_base_;                        ///< the cell from which `minor_` is counted
-    Index base_along_;                        ///< `major_base_`, counted in the direction of the segment
-    double minor_, minor_step_, minor_bound_; ///< in cells: on line 0, per line, and a bound of the rounding
-    double z_, z_step_, z_bound_;             ///< in metres: the same of the height
-    double z_lowest_, z_highest_;             ///< bounds of both ends
+    Index mirror_;                       ///< −1 if the segment goes down along the major axis, else 0
+    Index minor_base_;                   ///< the cell from which `minor_` is counted
+    Index base_along_;                   ///< `major_base_`, counted in the direction of the segment
+    F minor_, minor_step_, minor_bound_; ///< in cells: on line 0, per line, and a bound of the rounding
+    F z_, z_step_, z_bound_;             ///< in metres: the same of the height
+    F z_lowest_, z_highest_;             ///< bounds of both ends
 };
 
 /// Whether there is a patch over the cell, and all of it is below z.
-template <HeightField Field>
-[[nodiscard]] bool lies_below(const Field& field, const Cell& cell, double z) noexcept {
+template <HeightField Field, Real F>
+[[nodiscard]] bool lies_below(const Field& field, const Cell& cell, F z) noexcept {
     const auto patch = field.patch(cell);
     if (!patch) return false;
     // Corner by corner, not `highest`: GCC would put them into a vector and take them out again.
-    return widen(patch->p00) < z && widen(patch->p10) < z && widen(patch->p01) < z && widen(patch->p11) < z;
+    return widen_to<F>(patch->p00) < z && widen_to<F>(patch->p10) < z && widen_to<F>(patch->p01) < z &&
+           widen_to<F>(patch->p11) < z;
 }
 
 /// Whether all cells of a slab that the segment may touch have patches, which lie below it. `major` is their number along
 /// the major axis. Precondition: there are cells with that number.
 template <bool x_major, HeightField Field>
-[[nodiscard, gnu::always_inline]] inline bool slab_lies_below(const Field& field, Index major,
-                                                              const SegmentProfile::SlabPart& part) noexcept {
+[[nodiscard, gnu::always_inline]] inline bool
+slab_lies_below(const Field& field, Index major,
+                const typename SegmentProfile<FrameScalar<Field>>::SlabPart& part) noexcept {
     if constexpr (CorneredHeightField<Field>) {
         const Index first = part.begin, last = part.end - 1;
         if (last - first <= 1) {
@@ -199,7 +202,9 @@ struct EmptySlabs {
 template <bool x_major, HeightField Field>
 class EmptySpace {
 public:
-    EmptySpace(const Field& field, const SegmentProfile& profile) noexcept
+    using F = FrameScalar<Field>;
+
+    EmptySpace(const Field& field, const SegmentProfile<F>& profile) noexcept
         : field_{field}, profile_{profile} {
         if constexpr (BoundedHeightField<Field>) {
             levels_ = field.levels();
@@ -236,7 +241,7 @@ private:
     /// How many slabs from slab `begin` on, of the next `count`, lie below the segment: every cell of them that it may
     /// touch has a patch that does.
     [[nodiscard]] Index slabs_below(Index begin, Index count) const noexcept {
-        double line = static_cast<double>(begin);
+        F line = static_cast<F>(begin);
         auto here = profile_.on_line(line);
         for (Index n = 0; n < count; ++n) {
             const auto there = profile_.on_line(++line);
@@ -305,16 +310,16 @@ private:
         const IndexRange cells = minor_range<x_major>(field_.cells());
         Index passed = 0, width = glm::min(slabs_left(level_, begin), count);
         Index major = profile_.major_cell(begin) >> shift;
-        auto here = profile_.on_line(static_cast<double>(begin));
+        auto here = profile_.on_line(static_cast<F>(begin));
         // Ends at a block that is not passed, or behind the last slab.
         for (;;) {
-            const auto there = profile_.on_line(static_cast<double>(begin + passed + width));
-            const SegmentProfile::SlabPart part = profile_.between(here, there);
+            const auto there = profile_.on_line(static_cast<F>(begin + passed + width));
+            const auto part = profile_.between(here, there);
             ++looked_at;
             if (!part.is_in(cells)) return passed;
             const auto heights = heights_of_blocks(major, part.begin >> shift, (part.end - 1) >> shift);
-            const bool passes = side == Side::above ? widen(heights.highest) < part.lowest
-                                                    : part.highest < widen(heights.lowest);
+            const bool passes = side == Side::above ? widen_to<F>(heights.highest) < part.lowest
+                                                    : part.highest < widen_to<F>(heights.lowest);
             if (!passes) return passed;
             passed += width;
             if (passed == count) return passed;
@@ -353,7 +358,7 @@ private:
     }
 
     const Field& field_;
-    const SegmentProfile& profile_;
+    const SegmentProfile<F>& profile_;
     int level_ = 0, levels_ = 0;
     /// Slabs before this one are looked at cell by cell.
     Index by_cells_until_ = std::numeric_limits<Index>::min();
@@ -366,11 +371,12 @@ private:
 /// `side_at(t)` of what begins at t. It is told of what was: `count(cells)` looked at, and `pass(t, side)` for everything
 /// up to t, on one side of the surface. `az` and `bz` are the heights of the segment's ends.
 template <bool x_major, HeightField Field, class Test>
-void walk_with_skipping(const Field& field, const CellRange& range, CellWalk& walk, double az, double bz,
-                        Test& test) noexcept {
+void walk_with_skipping(const Field& field, const CellRange& range, CellWalk<FrameScalar<Field>>& walk,
+                        FrameScalar<Field> az, FrameScalar<Field> bz, Test& test) noexcept {
+    using F = FrameScalar<Field>;
     if (!walk.enter(range)) return;
-    AxisWalk &major = x_major ? walk.x : walk.y, &minor = x_major ? walk.y : walk.x;
-    const SegmentProfile profile{major, minor, az, bz};
+    AxisWalk<F>&major = x_major ? walk.x : walk.y, &minor = x_major ? walk.y : walk.x;
+    const SegmentProfile<F> profile{major, minor, az, bz};
     const IndexRange majors = major_range<x_major>(range), minors = minor_range<x_major>(range);
     // Where the segment ends, and where it ends or leaves the range.
     const Index goal_end = profile.slab_of(major.goal_cell) + 1;
@@ -392,7 +398,7 @@ void walk_with_skipping(const Field& field, const CellRange& range, CellWalk& wa
             test.count(empty.looked_at);
             if (empty.count > 0) {
                 slab += empty.count;
-                const double t = slab == goal_end ? 1 : major.line_time(profile.grid_line(slab));
+                const F t = slab == goal_end ? F(1) : major.line_time(profile.grid_line(slab));
                 test.pass(t, empty.side);
                 if (slab == end) return;
                 major.enter(profile.major_cell(slab));
@@ -406,9 +412,10 @@ void walk_with_skipping(const Field& field, const CellRange& range, CellWalk& wa
 }
 
 /// How long the segment is along x and along y, in cells.
-[[nodiscard]] inline glm::dvec2 length_in_cells(const Lattice& lattice, const glm::dvec3& a,
-                                                const glm::dvec3& b) noexcept {
-    const glm::dvec2 per_metre = lattice.cells_per_metre();
+template <Real F>
+[[nodiscard]] inline vec2<F> length_in_cells(const BasicLattice<F>& lattice, const vec3<F>& a,
+                                             const vec3<F>& b) noexcept {
+    const vec2<F> per_metre = lattice.cells_per_metre();
     return {std::abs((b.x - a.x) * per_metre.x), std::abs((b.y - a.y) * per_metre.y)};
 }
 
@@ -417,14 +424,16 @@ void walk_with_skipping(const Field& field, const CellRange& range, CellWalk& wa
 /// cells: these are widened by more than the rounding of the exact traversal.
 template <HeightField Field>
 [[nodiscard, gnu::always_inline]] inline Index
-cells_below_short_segment(const Field& field, const glm::dvec3& a, const glm::dvec3& b) noexcept {
-    const Lattice& lattice = field.lattice();
-    const glm::dvec2 origin = lattice.origin(), per_metre = lattice.cells_per_metre();
-    const double ax = (a.x - origin.x) * per_metre.x, ay = (a.y - origin.y) * per_metre.y,
-                 bx = (b.x - origin.x) * per_metre.x, by = (b.y - origin.y) * per_metre.y;
-    const double bound_x = 8 * epsilon<double> * (std::abs(ax) + std::abs(bx)),
-                 bound_y = 8 * epsilon<double> * (std::abs(ay) + std::abs(by));
-    const auto cell = [](double x, double y) {
+cells_below_short_segment(const Field& field, const vec3<FrameScalar<Field>>& a,
+                          const vec3<FrameScalar<Field>>& b) noexcept {
+    using F = FrameScalar<Field>;
+    const BasicLattice<F>& lattice = field.lattice();
+    const vec2<F> origin = lattice.origin(), per_metre = lattice.cells_per_metre();
+    const F ax = (a.x - origin.x) * per_metre.x, ay = (a.y - origin.y) * per_metre.y,
+            bx = (b.x - origin.x) * per_metre.x, by = (b.y - origin.y) * per_metre.y;
+    const F bound_x = 8 * epsilon<F> * (std::abs(ax) + std::abs(bx)),
+            bound_y = 8 * epsilon<F> * (std::abs(ay) + std::abs(by));
+    const auto cell = [](F x, F y) {
         return Cell{static_cast<Index>(std::floor(x)), static_cast<Index>(std::floor(y))};
     };
     const Cell low = cell(glm::min(ax, bx) - bound_x, glm::min(ay, by) - bound_y),
@@ -433,7 +442,7 @@ cells_below_short_segment(const Field& field, const glm::dvec3& a, const glm::dv
     if (columns > 2 || rows > 2) return 0;
     // Clear of rounding in the exact traversal, which is a few ulps; and rounding to T keeps the order.
     const auto lowest = static_cast<typename Field::Scalar>(
-        glm::min(a.z, b.z) - 32 * epsilon<double> * (std::abs(a.z) + std::abs(b.z)));
+        glm::min(a.z, b.z) - 32 * epsilon<F> * (std::abs(a.z) + std::abs(b.z)));
     if constexpr (QuickHeightField<Field>) {
         const bool surely = columns + rows < 4 ? field.surely_below(low, high, lowest)
                                                : field.surely_below(low, {high.i, low.j}, lowest) &&

@@ -31,10 +31,11 @@ enum class HitStatus : unsigned char {
     return "unknown";
 }
 
-template <Real T>
+/// F is what the lattice of the field computes in.
+template <Real T, Real F = double>
 struct FirstHit {
     HitStatus status = HitStatus::miss;
-    double t = 1;            ///< how far along a → b: the crossing, or the end of what was searched
+    F t = 1;                 ///< how far along a → b: the crossing, or the end of what was searched
     SurfacePoint<T> point{}; ///< the crossing, if there is one
     Side side = Side::none; ///< hit: the side the segment came from; else: the side on which the search ended
     Index cells = 0;        ///< cells looked at; of a field with bounds, cells and blocks
@@ -42,7 +43,8 @@ struct FirstHit {
     bool leaving = false;
 };
 
-struct FirstHitOptions {
+template <Real F>
+struct BasicFirstHitOptions {
     SurfaceKind surface = SurfaceKind::solid;
     /// The side on which the segment begins, if that is known from before; `none` to decide by a's height. A known
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
@@ -52,24 +54,29 @@ struct FirstHitOptions {
     /// missing patch is no hole; where a cell begins or ends with the segment farther off, it has left. Where the segment
     /// comes to be farther off on the other side, or ends there without having left, it hits where it entered the
     /// last cell. < 0: no.
-    double leaves_within = -1;
+    F leaves_within = -1;
     /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
     /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one
     /// search. One that is still `leaving` goes on with `leaves_within` too.
     Index max_cells = std::numeric_limits<Index>::max();
 };
+using FirstHitOptions = BasicFirstHitOptions<double>;
 
 /// The point of a → b at t, from which a search that was cut short goes on.
-[[nodiscard]] inline glm::dvec3 point_on_segment(const glm::dvec3& a, const glm::dvec3& b,
-                                                 double t) noexcept {
+template <Real F>
+[[nodiscard]] inline vec3<F> point_on_segment(const vec3<F>& a, const vec3<F>& b, F t) noexcept {
     return a + t * (b - a);
 }
+
+/// What a cast on such a field finds.
+template <HeightField Field>
+using HitOn = FirstHit<typename Field::Scalar, FrameScalar<Field>>;
 
 /// The first crossing of the segment a → b with the surface.
 ///
 /// Solid: the first point after which the segment is below, having been above. A segment that begins below must
 /// come out first. Sheet: the first point at which it changes sides. Each patch is exact (one quadratic); the traversal
-/// and the quadratics are computed in double for either scalar. Where there is no patch there is no side: behind
+/// and the quadratics are computed in what the lattice computes in: in double, but for a `FloatLattice`. Where there is no patch there is no side: behind
 /// a hole, or on entering from outside, the side is decided afresh. A segment that begins on a solid's surface and
 /// goes down hits at t = 0; one that begins on a sheet is on the side to which it goes.
 ///
@@ -78,9 +85,9 @@ struct FirstHitOptions {
 ///
 /// Precondition: a, b finite and within reach of the lattice. Does not allocate; O(cells passed) ≤ max(max_cells, 4) + 3.
 template <HeightField Field>
-[[nodiscard]] FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a,
-                                                         const glm::dvec3& b,
-                                                         const FirstHitOptions& options = {}) noexcept;
+[[nodiscard]] HitOn<Field> first_hit(const Field& field, const vec3<FrameScalar<Field>>& a,
+                                     const vec3<FrameScalar<Field>>& b,
+                                     const BasicFirstHitOptions<FrameScalar<Field>>& options = {}) noexcept;
 
 namespace detail {
 
@@ -89,19 +96,20 @@ namespace detail {
 template <HeightField Field>
 struct CrossingTest {
     using T = typename Field::Scalar;
+    using F = FrameScalar<Field>;
 
     const Field& field;
-    const glm::dvec3 &a, &b;
-    const FirstHitOptions& options;
-    FirstHit<T>& result;
+    const vec3<F>&a, &b;
+    const BasicFirstHitOptions<F>& options;
+    FirstHit<T, F>& result;
     Side side = options.side;
     bool sheet = options.surface == SurfaceKind::sheet;
     bool leaving = options.leaves_within >= 0; ///< the segment has not got off the surface on which a lies
-    bool under = false;    ///< leaving: the segment leaves the last cell on the other side of the surface
-    double covered_to = 0; ///< up to this t there were patches all along
+    bool under = false; ///< leaving: the segment leaves the last cell on the other side of the surface
+    F covered_to = 0;   ///< up to this t there were patches all along
 
     /// Tests the next cell; false if the search is over. Inlined, so that the span does not go through memory.
-    [[gnu::always_inline]] bool operator()(const CellSpan& span) noexcept {
+    [[gnu::always_inline]] bool operator()(const BasicCellSpan<F>& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none; // behind a hole
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
         if (out_of_cells(glm::max(span.t_in, covered_to))) return false;
@@ -111,16 +119,20 @@ struct CrossingTest {
         const auto& p = *found;
         covered_to = glm::max(covered_to, span.t_out);
 
-        const double z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
-        const double z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
+        const F z_in = (1 - span.t_in) * a.z + span.t_in * b.z;
+        const F z_out = (1 - span.t_out) * a.z + span.t_out * b.z;
         if (!leaving) {
-            if (side != Side::below && glm::min(z_in, z_out) > widen(p.highest()))
+            if (side != Side::below && glm::min(z_in, z_out) > widen_to<F>(p.highest()))
                 return stays_on(Side::above);
-            if (side != Side::above && glm::max(z_in, z_out) < widen(p.lowest()))
+            if (side != Side::above && glm::max(z_in, z_out) < widen_to<F>(p.lowest()))
                 return stays_on(Side::below);
         }
 
-        SegmentOverPatch over{{widen(p.p00), widen(p.p10), widen(p.p01), widen(p.p11)}, span, z_in, z_out};
+        SegmentOverPatch<F> over{
+            {widen_to<F>(p.p00), widen_to<F>(p.p10), widen_to<F>(p.p01), widen_to<F>(p.p11)},
+            span,
+            z_in,
+            z_out};
         if (side == Side::none) {
             side = sheet ? over.side_of_sheet() : over.side_of_solid();
             if (side == Side::none) return true; // along the sheet: nothing to cross
@@ -133,11 +145,11 @@ struct CrossingTest {
     [[nodiscard]] bool may_skip() const noexcept { return !leaving; }
     [[nodiscard]] Index cells_left() const noexcept { return options.max_cells - result.cells; }
     /// The side of what begins at t, if it is known.
-    [[nodiscard]] Side side_at(double t) const noexcept { return t > covered_to ? Side::none : side; }
+    [[nodiscard]] Side side_at(F t) const noexcept { return t > covered_to ? Side::none : side; }
     /// So many cells were looked at.
     void count(Index cells) noexcept { result.cells += cells; }
     /// Up to t there are patches all along, and the segment is on this side of them.
-    void pass(double t, Side on) noexcept {
+    void pass(F t, Side on) noexcept {
         side = on;
         covered_to = t;
     }
@@ -163,7 +175,7 @@ struct CrossingTest {
 
 private:
     /// Whether the search has to stop at t, for it has looked at as many cells as it may.
-    [[nodiscard]] bool out_of_cells(double t) noexcept {
+    [[nodiscard]] bool out_of_cells(F t) noexcept {
         if (result.cells < options.max_cells || t >= 1 || !has_left(t)) return false;
         result.status = HitStatus::cell_limit;
         result.t = t;
@@ -171,11 +183,11 @@ private:
     }
     /// Whether the point at t is off a by a sixteenth of a cell, and a place of its own however it is rounded. A piece of a
     /// search that ended nearer could begin again in the cell where this one began.
-    [[nodiscard]] bool has_left(double t) const noexcept {
-        const glm::dvec2 per_metre = field.lattice().cells_per_metre();
-        const double x = t * (b.x - a.x), y = t * (b.y - a.y);
-        const bool by_x = std::abs(x) * per_metre.x >= 0.0625 && a.x + x / 2 != a.x,
-                   by_y = std::abs(y) * per_metre.y >= 0.0625 && a.y + y / 2 != a.y;
+    [[nodiscard]] bool has_left(F t) const noexcept {
+        const vec2<F> per_metre = field.lattice().cells_per_metre();
+        const F x = t * (b.x - a.x), y = t * (b.y - a.y);
+        const bool by_x = std::abs(x) * per_metre.x >= F(0.0625) && a.x + x / 2 != a.x,
+                   by_y = std::abs(y) * per_metre.y >= F(0.0625) && a.y + y / 2 != a.y;
         return by_x || by_y;
     }
 
@@ -187,22 +199,21 @@ private:
 
     /// How many metres of height over this patch the rounding of a.x and a.y makes. Beside a grid line it can put a on the
     /// patch next to the one it lies on, and that may be far steeper.
-    [[nodiscard]] double rounding_in_plan(const BilinearPatch<double>& p) const noexcept {
-        const glm::dvec2 per_metre = field.lattice().cells_per_metre();
-        const double rise_u = glm::max(std::abs(p.p10 - p.p00), std::abs(p.p11 - p.p01)),
-                     rise_v = glm::max(std::abs(p.p01 - p.p00), std::abs(p.p11 - p.p10));
-        return epsilon<double> *
-               (std::abs(a.x) * per_metre.x * rise_u + std::abs(a.y) * per_metre.y * rise_v);
+    [[nodiscard]] F rounding_in_plan(const BilinearPatch<F>& p) const noexcept {
+        const vec2<F> per_metre = field.lattice().cells_per_metre();
+        const F rise_u = glm::max(std::abs(p.p10 - p.p00), std::abs(p.p11 - p.p01)),
+                rise_v = glm::max(std::abs(p.p01 - p.p00), std::abs(p.p11 - p.p10));
+        return epsilon<F> * (std::abs(a.x) * per_metre.x * rise_u + std::abs(a.y) * per_metre.y * rise_v);
     }
 
     /// While the segment leaves the surface: whether it is still on it, but for the rounding of a.
-    [[nodiscard]] bool stays_on_surface(SegmentOverPatch& over, const Cell& cell) noexcept {
-        const double sign = sign_of(side), rounding = options.leaves_within + rounding_in_plan(over.patch);
+    [[nodiscard]] bool stays_on_surface(SegmentOverPatch<F>& over, const Cell& cell) noexcept {
+        const F sign = sign_of<F>(side), rounding = options.leaves_within + rounding_in_plan(over.patch);
         const bool off = sign * over.f_in > rounding,
                    went_under = sign * over.f_out < glm::min(sign * over.f_in, -rounding);
         if (!off) {
             over.f_in = 0;
-            const double rise = over.f_out - over.quadratic(); // f'(0) from f₀ = 0
+            const F rise = over.f_out - over.quadratic(); // f'(0) from f₀ = 0
             if (sign * rise <= rounding) {
                 leaving = sign * over.f_out <= rounding;
                 under = sign * over.f_out < 0;
@@ -217,7 +228,7 @@ private:
     }
 
     /// Whether the segment hits the patch. One that comes out of a solid may go back in before the cell ends.
-    [[nodiscard]] bool crosses(SegmentOverPatch& over, const Cell& cell) noexcept {
+    [[nodiscard]] bool crosses(SegmentOverPatch<F>& over, const Cell& cell) noexcept {
         // Ends: the second crossing at the latest is one from above.
         while (over.go_to_crossing(side)) {
             if (sheet || side == Side::above) {
@@ -234,13 +245,15 @@ private:
 
 /// `first_hit` without its quick look at a short segment, for a caller that has done this or expects something in the way.
 template <HeightField Field>
-[[nodiscard]] FirstHit<typename Field::Scalar>
-cast(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const FirstHitOptions& options) noexcept {
-    FirstHit<typename Field::Scalar> result;
+[[nodiscard]] HitOn<Field> cast(const Field& field, const vec3<FrameScalar<Field>>& a,
+                                const vec3<FrameScalar<Field>>& b,
+                                const BasicFirstHitOptions<FrameScalar<Field>>& options) noexcept {
+    using F = FrameScalar<Field>;
+    HitOn<Field> result;
     CrossingTest<Field> test{field, a, b, options, result};
-    CellWalk walk{field.lattice(), {a.x, a.y}, {b.x, b.y}};
+    CellWalk<F> walk{field.lattice(), {a.x, a.y}, {b.x, b.y}};
     const CellRange range = field.cells();
-    const glm::dvec2 length = length_in_cells(field.lattice(), a, b);
+    const vec2<F> length = length_in_cells<F>(field.lattice(), a, b);
     if (glm::max(length.x, length.y) < 2) {
         if (walk.enter(range)) walk.visit(range, range, test);
     } else if (length.x >= length.y) {
@@ -255,10 +268,12 @@ cast(const Field& field, const glm::dvec3& a, const glm::dvec3& b, const FirstHi
 } // namespace detail
 
 template <HeightField Field>
-FirstHit<typename Field::Scalar> first_hit(const Field& field, const glm::dvec3& a, const glm::dvec3& b,
-                                           const FirstHitOptions& options) noexcept {
+HitOn<Field> first_hit(const Field& field, const vec3<FrameScalar<Field>>& a,
+                       const vec3<FrameScalar<Field>>& b,
+                       const BasicFirstHitOptions<FrameScalar<Field>>& options) noexcept {
+    using F = FrameScalar<Field>;
     // A segment of two cells or more is seldom in two by two: it does not ask.
-    const glm::dvec2 length = detail::length_in_cells(field.lattice(), a, b);
+    const vec2<F> length = detail::length_in_cells<F>(field.lattice(), a, b);
     if (glm::max(length.x, length.y) < 2 && options.side != Side::below && options.max_cells >= 4) {
         const Index cells = detail::cells_below_short_segment(field, a, b);
         if (cells > 0) return {.side = Side::above, .cells = cells};
