@@ -113,7 +113,23 @@ private:
     [[nodiscard]] BallContact<Scalar> update_point(const vec3<Scalar>& stylus) noexcept;
     /// The first stylus, or still buried: whether the ball is clear here.
     [[nodiscard]] BallContact<Scalar> begin(const vec3<Scalar>& stylus) noexcept;
-    /// In contact: over to the foot of the stylus, if that is all there is to do: mostly it is. False, and nothing done, if not.
+    /// A ball that stands on a point of the surface.
+    struct Standing {
+        SurfacePoint<Scalar> foot{};
+        glm::dvec3 normal{0, 0, 1}; ///< unit, to the centre
+        glm::dvec3 offset{0.0};     ///< centre − stylus
+        glm::dvec3 centre{0.0};
+    };
+    [[nodiscard]] double longest_roll() const noexcept {
+        return 2 * detail::widest_margin(field(), widen(radius_));
+    }
+    /// False where it cannot: at an edge under which the stylus is.
+    [[nodiscard]] bool stand_on(const SurfacePoint<Scalar>& foot, const glm::dvec3& to,
+                                Standing& ball) const noexcept;
+    /// Rolls there, if nothing is in the way and it comes nearer to the stylus.
+    [[nodiscard]] bool roll_to(const Standing& ball, const glm::dvec3& to, Index& work) noexcept;
+    /// In contact: over to the foot of the stylus, if that is all there is to do: mostly it is. False if not; it may be on its
+    /// way then.
     [[nodiscard]] bool roll(const vec3<Scalar>& stylus, Index& work, BallContact<Scalar>& contact) noexcept;
     /// Step by step, whatever is in the way.
     [[nodiscard, gnu::noinline]] BallContact<Scalar> follow(const vec3<Scalar>& stylus, Index& work) noexcept;
@@ -233,17 +249,12 @@ auto BallTracker<Field>::begin(const vec3<Scalar>& stylus) noexcept -> BallConta
 }
 
 template <HeightField Field>
-bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
-                              BallContact<Scalar>& contact) noexcept {
-    const glm::dvec3 to = widen(stylus);
-    const double radius = widen(radius_);
-    const auto foot = descend(field(), stylus, state_.foot, options_.max_patches);
-    work -= foot.patches;
-    if (foot.status != DescentStatus::minimum) return false;
+bool BallTracker<Field>::stand_on(const SurfacePoint<Scalar>& foot, const glm::dvec3& to,
+                                  Standing& ball) const noexcept {
     const detail::ReachSearch<Field> from_stylus{field(), to, 0, 0};
     detail::RelativePatch patch;
-    if (!from_stylus.read(foot.point.cell, patch)) return false;
-    const double u = widen(foot.point.u), v = widen(foot.point.v);
+    if (!from_stylus.read(foot.cell, patch)) return false;
+    const double u = widen(foot.u), v = widen(foot.v), radius = widen(radius_);
     const glm::dvec3 to_foot = patch.foot(u, v).offset, upward = patch.patch().normal(u, v);
     glm::dvec3 normal = state_.side == Side::below ? -upward : upward;
     const auto is_inside = [](double w) { return w > 1e-9 && w < 1 - 1e-9; };
@@ -254,32 +265,62 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
         normal = -to_foot / distance;
         if (options_.surface == SurfaceKind::solid && normal.z < 0) return false;
     }
-    const glm::dvec3 offset = to_foot + radius * normal, centre = to + offset;
-    const double share = glm::dot(offset, normal);
-    // On faces so steep that the scalar does not tell the foot to half its digits the slide computes in double.
-    const glm::dvec3 across = offset - share * normal;
-    if (glm::dot(across, across) > widen(epsilon<Scalar>) * glm::dot(offset, offset)) return false;
+    const glm::dvec3 offset = to_foot + radius * normal;
+    ball = {foot, normal, offset, to + offset};
+    return true;
+}
+
+template <HeightField Field>
+bool BallTracker<Field>::roll_to(const Standing& ball, const glm::dvec3& to, Index& work) noexcept {
     // Never farther, and no farther on the way than a look around its end tells about.
-    const glm::dvec3 before = state_.centre - to, way = centre - state_.centre;
-    const double length = glm::length(way);
-    const bool farther = glm::dot(offset, offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
-    if (!(share > 0) || farther || !(length <= 2 * detail::widest_margin(field(), radius))) return false;
-    const detail::RollingBall ball{-way, normal, -offset, radius, detail::ball_rounding(centre, radius)};
-    if (!detail::rolls_freely(field(), centre, ball, work)) return false;
-    state_.centre = centre;
+    const glm::dvec3 before = state_.centre - to, way = ball.centre - state_.centre;
+    const double radius = widen(radius_);
+    const bool farther =
+        glm::dot(ball.offset, ball.offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
+    if (farther || !(glm::length(way) <= longest_roll())) return false;
+    const detail::RollingBall rolling{-way, ball.normal, -ball.offset, radius,
+                                      detail::ball_rounding(ball.centre, radius)};
+    if (!detail::rolls_freely(field(), ball.centre, rolling, work)) return false;
+    state_.centre = ball.centre;
+    state_.foot = ball.foot;
+    return true;
+}
+
+template <HeightField Field>
+bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
+                              BallContact<Scalar>& contact) noexcept {
+    const glm::dvec3 to = widen(stylus);
+    const auto found = descend(field(), stylus, state_.foot, options_.max_patches);
+    work -= found.patches;
+    Standing ball;
+    if (found.status != DescentStatus::minimum || !stand_on(found.point, to, ball)) return false;
+    const double share = glm::dot(ball.offset, ball.normal);
+    // On faces so steep that the scalar does not tell the foot to half its digits the slide computes in double.
+    const glm::dvec3 across = ball.offset - share * ball.normal;
+    const double allowed = widen(epsilon<Scalar>) * glm::dot(ball.offset, ball.offset);
+    if (!(share > 0) || glm::dot(across, across) > allowed) return false;
+    // A long way in parts, along that of the foot.
+    for (int parts = steps_allowed(to); glm::distance(ball.centre, state_.centre) > longest_roll();) {
+        const auto part = detail::descend_no_farther(field(), stylus, state_.foot, options_.max_patches,
+                                                     static_cast<Scalar>(longest_roll() * 0.75));
+        work -= part.patches;
+        Standing on_the_way;
+        if (--parts < 0 || !stand_on(part.point, to, on_the_way) || !roll_to(on_the_way, to, work))
+            return false;
+    }
+    if (!roll_to(ball, to, work)) return false;
     state_.stylus = to;
-    state_.foot = foot.point;
+    const double depth = glm::length(ball.offset);
     contact.status = ContactStatus::contact;
     contact.side = state_.side;
     contact.radius = radius_;
-    contact.centre = centre;
-    contact.proxy = vec3<Scalar>{centre};
-    const double depth = glm::length(offset);
-    contact.normal = vec3<Scalar>{depth > 0 ? offset / depth : normal};
-    contact.penetration = vec3<Scalar>{offset};
+    contact.centre = ball.centre;
+    contact.proxy = vec3<Scalar>{ball.centre};
+    contact.normal = vec3<Scalar>{depth > 0 ? ball.offset / depth : ball.normal};
+    contact.penetration = vec3<Scalar>{ball.offset};
     contact.depth = static_cast<Scalar>(depth);
-    contact.point = foot.point;
-    contact.touches[0] = {foot.point, vec3<Scalar>{normal}, static_cast<Scalar>(share)};
+    contact.point = ball.foot;
+    contact.touches[0] = {ball.foot, vec3<Scalar>{ball.normal}, static_cast<Scalar>(share)};
     contact.count = 1;
     return true;
 }
