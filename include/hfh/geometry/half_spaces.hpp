@@ -30,7 +30,7 @@ struct PolyhedronPoint {
 };
 
 /// The point of the planes normal·s = offset of up to three half-spaces that is nearest to a target, and the shares of their
-/// normals. False where the normals do not tell the planes apart, or a share is below 0.
+/// normals. False where the normals do not tell the planes apart.
 [[nodiscard]] inline bool nearest_on_planes(const glm::dvec3& target, const HalfSpace* const planes[],
                                             int count, glm::dvec3& step, double shares[]) noexcept {
     constexpr double parallel = 1e-14; // squared sine
@@ -54,10 +54,7 @@ struct PolyhedronPoint {
         shares[2] = glm::dot(off, ab) / det;
     }
     step = target;
-    for (int k = 0; k < count; ++k) {
-        if (!(shares[k] >= 0)) return false;
-        step += shares[k] * planes[k]->normal;
-    }
+    for (int k = 0; k < count; ++k) step += shares[k] * planes[k]->normal;
     return true;
 }
 
@@ -93,6 +90,7 @@ struct PolyhedronPoint {
         }
         join(added);
         bool keeps = nearest_on_planes(target, planes, trial.count, trial.step, trial.shares);
+        for (int k = 0; k < trial.count; ++k) keeps = keeps && trial.shares[k] >= 0;
         for (int k = 0; k < before.count; ++k) {
             const HalfSpace& other = *half_space(before.faces[k]);
             keeps = keeps && (is_chosen(k) || glm::dot(other.normal, trial.step) >= other.offset - rounding);

@@ -137,6 +137,12 @@ private:
     [[nodiscard]] MoveEnd make_move(const glm::dvec3& target, const Move& move) noexcept;
     /// Takes a step, pushes the ball clear, and keeps that if the centre is nearer then. `wanted`: how far it would go if it could.
     [[nodiscard]] MoveEnd try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept;
+    /// From a centre that is tried onto the obstacles that hold the ball there, of which the step has led off where they bend
+    /// away. False where it cannot.
+    [[nodiscard]] bool drop(const glm::dvec3& target, glm::dvec3& centre, double margin) noexcept;
+    /// Whether a try has led nearer to the target; then it is taken.
+    [[nodiscard]] bool keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next, double length,
+                                      bool is_round_rim) noexcept;
     /// From where the distance is highest along a step: takes it, and goes on from there until the centre is nearer.
     [[nodiscard]] bool leave_crest(const glm::dvec3& target, const glm::dvec3& aside) noexcept;
     /// Moves a centre away from what the ball overlaps there, and looks around. False where it cannot.
@@ -365,17 +371,44 @@ auto BallSlide<Field>::try_step(const glm::dvec3& target, const glm::dvec3& step
     if (!ahead().look(next, ball_.radius, margin, work_)) return MoveEnd::work_limit;
     if (!(ahead().smallest_gap() > -ball_.radius / 2)) return MoveEnd::no_nearer;
     if (!push_clear(next, margin)) return work_ > 0 ? MoveEnd::no_nearer : MoveEnd::work_limit;
-    const glm::dvec3 rest = target - next;
+    if (keep_if_nearer(target, next, length, is_round_rim)) return MoveEnd::moved;
+    if (touched_ && drop(target, next, margin) && keep_if_nearer(target, next, length, is_round_rim))
+        return MoveEnd::moved;
+    return work_ > 0 ? MoveEnd::no_nearer : MoveEnd::work_limit;
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next, double length,
+                                      bool is_round_rim) noexcept {
+    const glm::dvec3 way = target - centre_, rest = target - next;
     const double before = glm::dot(way, way), after = glm::dot(rest, rest);
     const bool falls = after < before * (1 - 4 * epsilon<double>);
     // Nearer than the distance tells, which is no better than the place where the ball is clear: the step gets shorter each time.
     const double rounding = 4 * epsilon<double> * before + 2 * std::sqrt(before) * rounding_at(next);
     const bool settles =
         length * length <= 1e-10 * before && length < last_step_ / 2 && after <= before + rounding;
-    if (!falls && !settles) return MoveEnd::no_nearer;
+    if (!falls && !settles) return false;
     if (is_round_rim) ball_.side = side_of(*field_, next);
     move_to(next, length);
-    return MoveEnd::moved;
+    return true;
+}
+
+template <HeightField Field>
+bool BallSlide<Field>::drop(const glm::dvec3& target, glm::dvec3& centre, double margin) noexcept {
+    const auto held = ahead().nearest_to(target - centre, 1e-14 * ball_.radius);
+    HalfSpace planes[3];
+    const HalfSpace* pointers[3];
+    for (int k = 0; k < held.count; ++k) {
+        planes[k] = ahead()[held.faces[k]].half_space();
+        pointers[k] = &planes[k];
+    }
+    glm::dvec3 step;
+    double shares[3];
+    if (held.count == 0 || !nearest_on_planes(glm::dvec3{0.0}, pointers, held.count, step, shares))
+        return false;
+    if (!(glm::length(step) <= ahead().margin())) return false;
+    centre += step;
+    return ahead().look(centre, ball_.radius, margin, work_) && push_clear(centre, margin);
 }
 
 template <HeightField Field>
