@@ -103,8 +103,8 @@ private:
     };
 
     // What the distance is bent by along a step, of what it is in free space.
-    static constexpr double flattest = 0.02; ///< for a step of second order
-    static constexpr double crest = -1e-6;   ///< below it, the distance is highest
+    static constexpr double flattest = 1e-6; ///< below it there is no step to a minimum
+    static constexpr double crest = -1e-6;   ///< below it the distance is highest
 
     [[nodiscard]] double widest() const noexcept { return widest_margin(*field_, ball_.radius); }
     /// What rounding makes of a distance from the centre, in metres.
@@ -129,11 +129,11 @@ private:
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
     /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const glm::dvec3& way, Move& move) const noexcept;
-    /// On the line that two planes leave, and on one plane: the step, and the crests. False where the distance is bent up too little.
+    /// On the line that two planes leave, and on one plane: the step, and the crests. False where there is none.
     [[nodiscard]] bool step_on_line(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
-                                    glm::dvec3& step) const noexcept;
+                                    glm::dvec3& step, bool& is_bent_down) const noexcept;
     [[nodiscard]] bool step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
-                                     glm::dvec3& step) const noexcept;
+                                     glm::dvec3& step, bool& is_bent_down) const noexcept;
     [[nodiscard]] MoveEnd make_move(const glm::dvec3& target, const Move& move) noexcept;
     /// Takes a step, pushes the ball clear, and keeps that if the centre is nearer then. `wanted`: how far it would go if it could.
     [[nodiscard]] MoveEnd try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept;
@@ -259,19 +259,21 @@ void BallSlide<Field>::plan_second_step(const glm::dvec3& way, Move& move) const
         hessian -= held.shares[k] * around().turn(centre_, obstacle);
     }
     glm::dvec3 step;
-    const bool bends_up =
-        held.count == 2 ? step_on_line(way, hessian, move, step) : step_on_plane(way, hessian, move, step);
-    if (!bends_up) return;
+    bool is_bent_down = false;
+    const bool is_there = held.count == 2 ? step_on_line(way, hessian, move, step, is_bent_down)
+                                          : step_on_plane(way, hessian, move, step, is_bent_down);
+    if (!is_there) return;
     const double clear = around().clear_part(step, 1e-12 * ball_.radius);
     if (clear > 0.25) {
         move.second = clear * step;
-        move.wanted = glm::length(step);
+        // Where it falls on all along the ball may go farther the next time.
+        move.wanted = (is_bent_down ? 3 : 1) * glm::length(step);
     }
 }
 
 template <HeightField Field>
 bool BallSlide<Field>::step_on_line(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
-                                    glm::dvec3& step) const noexcept {
+                                    glm::dvec3& step, bool& is_bent_down) const noexcept {
     const BallObstacle &one = around()[move.held.faces[0]], &other = around()[move.held.faces[1]];
     const double c = glm::dot(one.normal, other.normal), det = 1 - c * c;
     const glm::dvec3 base =
@@ -279,14 +281,16 @@ bool BallSlide<Field>::step_on_line(const glm::dvec3& way, const glm::dmat3& hes
     const glm::dvec3 along = glm::normalize(glm::cross(one.normal, other.normal));
     const double bend = glm::dot(along, hessian * along);
     if (bend < crest) move.crests[move.crest_count++] = along;
-    if (!(bend > flattest)) return false;
-    step = base + glm::dot(along, way - hessian * base) / bend * along;
-    return true;
+    const double fall = glm::dot(along, way - hessian * base);
+    // Where the distance is bent down it falls on, as far as the ball may go.
+    is_bent_down = !(bend > flattest);
+    step = base + (bend > flattest ? fall / bend : std::copysign(around().margin(), fall)) * along;
+    return bend > flattest || std::abs(fall) > 0;
 }
 
 template <HeightField Field>
 bool BallSlide<Field>::step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
-                                     glm::dvec3& step) const noexcept {
+                                     glm::dvec3& step, bool& is_bent_down) const noexcept {
     const BallObstacle& face = around()[move.held.faces[0]];
     const glm::dvec3 n = face.normal, base = -face.gap * n;
     const glm::dvec3 axis = std::abs(n.x) < 0.7 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0};
@@ -302,9 +306,16 @@ bool BallSlide<Field>::step_on_plane(const glm::dvec3& way, const glm::dmat3& he
         move.crests[move.crest_count++] = lowest;
         if (mean + spread < crest) move.crests[move.crest_count++] = glm::cross(n, lowest);
     }
-    if (!(mean - spread > flattest)) return false;
-    const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), det = aa * bb - ab * ab;
-    step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
+    const double fa = glm::dot(a, rest), fb = glm::dot(b, rest), fall = std::sqrt(fa * fa + fb * fb);
+    if (mean - spread > flattest) {
+        const double det = aa * bb - ab * ab;
+        step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
+        return true;
+    }
+    // Where the distance is bent down it falls on, as far as the ball may go.
+    if (!(fall > 0)) return false;
+    is_bent_down = true;
+    step = base + around().margin() / fall * (fa * a + fb * b);
     return true;
 }
 
@@ -319,7 +330,12 @@ auto BallSlide<Field>::make_move(const glm::dvec3& target, const Move& move) noe
         }
         return MoveEnd::no_nearer;
     }
-    end = try_step(target, move.second, move.wanted);
+    // Of second order, and shorter while that is longer than one of first order.
+    double part = 1;
+    do {
+        end = try_step(target, part * move.second, part * move.wanted);
+        part /= 8;
+    } while (end == MoveEnd::no_nearer && part * glm::length(move.second) > 2 * glm::length(move.first));
     if (end == MoveEnd::no_nearer && move.second != move.first)
         end = try_step(target, move.first, glm::length(move.first));
     glm::dvec3 step = move.first;
