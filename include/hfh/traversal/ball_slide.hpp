@@ -134,6 +134,12 @@ private:
                                     glm::dvec3& step, bool& is_bent_down) const noexcept;
     [[nodiscard]] bool step_on_plane(const glm::dvec3& way, const glm::dmat3& hessian, Move& move,
                                      glm::dvec3& step, bool& is_bent_down) const noexcept;
+    /// How far a step goes where the distance is bent down: near to where it is highest the way out is straight, and it may be
+    /// long; farther off the ways part, and it has to be followed.
+    [[nodiscard]] double longest_fall(const Move& move) const noexcept {
+        const double first = glm::length(move.first);
+        return glm::min(around().margin(), glm::max(first, glm::min(64 * first, ball_.radius / 16)));
+    }
     [[nodiscard]] MoveEnd make_move(const glm::dvec3& target, const Move& move) noexcept;
     /// Takes a step, pushes the ball clear, and keeps that if the centre is nearer then. `wanted`: how far it would go if it could.
     [[nodiscard]] MoveEnd try_step(const glm::dvec3& target, const glm::dvec3& step, double wanted) noexcept;
@@ -143,6 +149,8 @@ private:
     /// Whether a try has led nearer to the target; then it is taken.
     [[nodiscard]] bool keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next, double length,
                                       bool is_round_rim) noexcept;
+    /// From where the distance is highest in a direction, to one side or the other.
+    [[nodiscard]] MoveEnd leave_crests(const glm::dvec3& target, const Move& move) noexcept;
     /// From where the distance is highest along a step: takes it, and goes on from there until the centre is nearer.
     [[nodiscard]] bool leave_crest(const glm::dvec3& target, const glm::dvec3& aside) noexcept;
     /// Moves a centre away from what the ball overlaps there, and looks around. False where it cannot.
@@ -241,7 +249,8 @@ auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noe
         const double part = move.arrived ? 0 : 1 - friction * against / across;
         move.first *= part, move.second *= part, move.wanted *= part;
     } else {
-        move.arrived = move.touches && glm::length(move.second) <= shortest_step(target);
+        const double longest = glm::min(glm::length(move.first), glm::length(move.second));
+        move.arrived = move.touches && longest <= shortest_step(target);
     }
     return move;
 }
@@ -282,9 +291,9 @@ bool BallSlide<Field>::step_on_line(const glm::dvec3& way, const glm::dmat3& hes
     const double bend = glm::dot(along, hessian * along);
     if (bend < crest) move.crests[move.crest_count++] = along;
     const double fall = glm::dot(along, way - hessian * base);
-    // Where the distance is bent down it falls on, as far as the ball may go.
+    // Where the distance is bent down it falls on.
     is_bent_down = !(bend > flattest);
-    step = base + (bend > flattest ? fall / bend : std::copysign(around().margin(), fall)) * along;
+    step = base + (bend > flattest ? fall / bend : std::copysign(longest_fall(move), fall)) * along;
     return bend > flattest || std::abs(fall) > 0;
 }
 
@@ -312,24 +321,18 @@ bool BallSlide<Field>::step_on_plane(const glm::dvec3& way, const glm::dmat3& he
         step = base + (fa * bb - fb * ab) / det * a + (fb * aa - fa * ab) / det * b;
         return true;
     }
-    // Where the distance is bent down it falls on, as far as the ball may go.
+    // Where the distance is bent down it falls on.
     if (!(fall > 0)) return false;
     is_bent_down = true;
-    step = base + around().margin() / fall * (fa * a + fb * b);
+    step = base + longest_fall(move) / fall * (fa * a + fb * b);
     return true;
 }
 
 template <HeightField Field>
 auto BallSlide<Field>::make_move(const glm::dvec3& target, const Move& move) noexcept -> MoveEnd {
     const double least = shortest_step(target);
+    if (move.arrived) return leave_crests(target, move);
     MoveEnd end = MoveEnd::no_nearer;
-    if (move.arrived) {
-        for (int k = 0; k < move.crest_count; ++k) {
-            const glm::dvec3 aside = ball_.radius / 16 * move.crests[k];
-            if (leave_crest(target, aside) || leave_crest(target, -aside)) return MoveEnd::moved;
-        }
-        return MoveEnd::no_nearer;
-    }
     // Of second order, and shorter while that is longer than one of first order.
     double part = 1;
     do {
@@ -346,7 +349,16 @@ auto BallSlide<Field>::make_move(const glm::dvec3& target, const Move& move) noe
         if (!(glm::length(step) > least)) break;
         end = try_step(target, step, 2 * glm::length(step));
     }
-    return end;
+    return end == MoveEnd::no_nearer ? leave_crests(target, move) : end;
+}
+
+template <HeightField Field>
+auto BallSlide<Field>::leave_crests(const glm::dvec3& target, const Move& move) noexcept -> MoveEnd {
+    for (int k = 0; k < move.crest_count; ++k) {
+        const glm::dvec3 aside = ball_.radius / 16 * move.crests[k];
+        if (leave_crest(target, aside) || leave_crest(target, -aside)) return MoveEnd::moved;
+    }
+    return MoveEnd::no_nearer;
 }
 
 template <HeightField Field>
