@@ -319,12 +319,12 @@ private:
         return x * x + y * y + z * z >= radius * radius;
     }
     [[nodiscard]] bool is_passed(const glm::dvec3& point) const noexcept {
-        constexpr double near = 63.0 / 64, nearest = 7.0 / 8; // of the radius
+        constexpr double clear = 63.0 / 64, nearest = 7.0 / 8; // of the radius
         const double length_squared = glm::dot(back, back);
         const double part =
             length_squared > 0 ? glm::clamp(glm::dot(point, back) / length_squared, 0.0, 1.0) : 0.0;
         const double apart = glm::distance(point, part * back);
-        if (apart >= near * radius) return true;
+        if (apart >= clear * radius) return true;
         const glm::dvec3 out = glm::normalize(back - point), around = glm::dot(back, out) * out - back;
         return apart >= nearest * radius && glm::dot(back - target, around) <= 0;
     }

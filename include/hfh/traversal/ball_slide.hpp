@@ -213,10 +213,10 @@ bool BallSlide<Field>::glide(const glm::dvec3& target, double length) noexcept {
 
 template <HeightField Field>
 bool BallSlide<Field>::is_on_rims_alone() const noexcept {
-    const double near = ball_.radius / 1024;
+    const double touching = ball_.radius / 1024;
     for (int k = 0; k < move_.held.count; ++k) {
         const BallObstacle& obstacle = around()[move_.held.faces[k]];
-        if (!(obstacle.on_rim || obstacle.from_below) || obstacle.gap > near) return false;
+        if (!(obstacle.on_rim || obstacle.from_below) || obstacle.gap > touching) return false;
     }
     return ball_.surface == SurfaceKind::solid && move_.held.count > 0;
 }
@@ -224,10 +224,10 @@ bool BallSlide<Field>::is_on_rims_alone() const noexcept {
 template <HeightField Field>
 auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noexcept -> Move {
     const glm::dvec3 way = target - centre_;
-    const double left = glm::length(way), near = rounding_at(centre_) + 1e-9 * ball_.radius;
+    const double left = glm::length(way), touching = rounding_at(centre_) + 1e-9 * ball_.radius;
     Move move;
     for (const auto& obstacle : around())
-        move.touches = move.touches || (obstacle.gap <= near && glm::dot(obstacle.normal, way) < 0);
+        move.touches = move.touches || (obstacle.gap <= touching && glm::dot(obstacle.normal, way) < 0);
     if (!touched_ && !move.touches) {
         const glm::dvec3 step = glm::min(around().margin() / left, 1.0) * way;
         const double part = around().clear_part(step, 0);
@@ -241,7 +241,7 @@ auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noe
     // What the ball is only about to touch holds nothing back.
     bool held_by_touches = move.touches;
     for (int k = 0; k < move.held.count; ++k)
-        held_by_touches = held_by_touches && around()[move.held.faces[k]].gap <= near;
+        held_by_touches = held_by_touches && around()[move.held.faces[k]].gap <= touching;
     if (friction > 0 && held_by_touches) {
         const double across = glm::length(move.first), against = glm::distance(move.first, way);
         move.crest_count = 0;
