@@ -70,6 +70,7 @@ struct Settings {
 [[nodiscard]] Findings blended_levels(const Settings&);
 [[nodiscard]] Findings zoom(const Settings&);
 [[nodiscard]] Findings nearest(const Settings&);
+[[nodiscard]] Findings ball(const Settings&);
 
 } // namespace hfh::bench
 

@@ -35,6 +35,7 @@ constexpr Part parts[] = {
     {"levels", blended_levels},
     {"zoom", zoom},
     {"nearest", nearest},
+    {"ball", ball},
 };
 
 void print(const Findings& found) {
