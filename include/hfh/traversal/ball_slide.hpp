@@ -69,7 +69,7 @@ public:
     [[nodiscard]] bool overlaps() const noexcept {
         return is_on_wrong_side(centre_) || around().smallest_gap() < -1e-6 * ball_.radius;
     }
-    /// Lifts the ball (felt from below: lowers it) until it is clear. False where it cannot.
+    /// Lifts the ball (felt from below: lowers it) until it is clear. False where it cannot, or that is too much work.
     [[nodiscard]] bool lift() noexcept;
 
     /// Slides to the minimum, after a look. `touched`: it goes on in contact; else it goes straight for the target until it
@@ -467,6 +467,10 @@ bool BallSlide<Field>::lift() noexcept {
                      cell_of(lattice.v_of(c.y - radius, 0) - 1, cells.begin.j, cells.end.j)};
     const Cell last{cell_of(lattice.u_of(c.x + radius, 0) + 1, cells.begin.i, cells.end.i - 1),
                     cell_of(lattice.v_of(c.y + radius, 0) + 1, cells.begin.j, cells.end.j - 1)};
+    const double looks =
+        static_cast<double>(last.i - begin.i + 1) * static_cast<double>(last.j - begin.j + 1);
+    if (!(looks <= static_cast<double>(work_))) return false;
+    work_ -= static_cast<Index>(looks);
     double top = sign * c.z;
     for (Index j = begin.j; j <= last.j; ++j) {
         for (Index i = begin.i; i <= last.i; ++i) {
@@ -475,7 +479,8 @@ bool BallSlide<Field>::lift() noexcept {
         }
     }
     const glm::dvec3 from{c.x, c.y, sign * (top + radius * (1 + 1e-6) + 1e-9 * std::abs(top))};
-    const auto down = first_touch(*field_, from, c, radius);
+    const auto down = first_touch(*field_, from, c, radius, work_);
+    work_ -= down.work;
     if (down.status != BallSweepStatus::touch) return false;
     centre_ = from + down.t * (c - from);
     return true;
