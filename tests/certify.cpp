@@ -669,7 +669,8 @@ template <Real T>
     one("flow", flow<T>);
     one("first_hit", first_crossing<T>);
     one("tracker", tracker<T>);
-    one("ball", ball<T>);
+    // A ball computes places in double.
+    if constexpr (std::same_as<PlaceScalar<T>, double>) one("ball", ball<T>);
     one("limited", limited<T>);
     one("strokes", strokes<T>);
     one("flat", flat<T>);
