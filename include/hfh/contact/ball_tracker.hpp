@@ -278,8 +278,8 @@ bool BallTracker<Field>::roll_to(const Standing& ball, const glm::dvec3& to, Ind
     const bool farther =
         glm::dot(ball.offset, ball.offset) > glm::dot(before, before) * (1 + 4 * epsilon<double>);
     if (farther || !(glm::length(way) <= longest_roll())) return false;
-    const detail::RollingBall rolling{-way, ball.normal, -ball.offset, radius,
-                                      detail::ball_rounding(ball.centre, radius)};
+    const detail::RollingBall<> rolling{-way, ball.normal, -ball.offset, radius,
+                                        detail::ball_rounding(ball.centre, radius)};
     if (!detail::rolls_freely(field(), ball.centre, rolling, work)) return false;
     state_.centre = ball.centre;
     state_.foot = ball.foot;

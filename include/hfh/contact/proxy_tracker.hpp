@@ -537,14 +537,16 @@ inline auto ProxyTracker<Field>::make_contact(const vec3<Scalar>& stylus, const 
                                               ContactStatus status, bool felt, int patches) const noexcept
     -> Contact<Scalar> {
     const vec3<Scalar> penetration = felt ? found.offset : vec3<Scalar>{0};
-    return {.status = status,
-            .side = state_.side,
-            .patches = patches,
-            .proxy = stylus + found.offset,
-            .normal = state_.side == Side::below ? -found.normal : found.normal,
-            .penetration = penetration,
-            .depth = glm::length(penetration),
-            .point = found.point};
+    return {
+        .status = status,
+        .side = state_.side,
+        .patches = patches,
+        // Not as a sum of vectors: with GLM's GCC 12 would make of it what depends on what else was included.
+        .proxy = {stylus.x + found.offset.x, stylus.y + found.offset.y, stylus.z + found.offset.z},
+        .normal = state_.side == Side::below ? -found.normal : found.normal,
+        .penetration = penetration,
+        .depth = glm::length(penetration),
+        .point = found.point};
 }
 
 } // namespace hfh

@@ -31,8 +31,9 @@ struct PolyhedronPoint {
 
 /// The point of the planes normal·s = offset of up to three half-spaces that is nearest to a target, and the shares of their
 /// normals. False where the normals do not tell the planes apart.
-[[nodiscard]] inline bool nearest_on_planes(const glm::dvec3& target, const HalfSpace* const planes[],
-                                            int count, glm::dvec3& step, double shares[]) noexcept {
+template <Real T = double>
+[[nodiscard]] bool nearest_on_planes(const glm::dvec3& target, const HalfSpace* const planes[], int count,
+                                     glm::dvec3& step, double shares[]) noexcept {
     constexpr double parallel = 1e-14; // squared sine
     const auto lacks = [&](int k) { return planes[k]->offset - glm::dot(planes[k]->normal, target); };
     if (count == 1) {
@@ -59,8 +60,9 @@ struct PolyhedronPoint {
 }
 
 /// The half-space that a vector misses most, and by more than `rounding`; −1: it keeps all.
-[[nodiscard]] inline int most_missed(std::span<const HalfSpace> half_spaces, const glm::dvec3& step,
-                                     double rounding) noexcept {
+template <Real T = double>
+[[nodiscard]] int most_missed(std::span<const HalfSpace> half_spaces, const glm::dvec3& step,
+                              double rounding) noexcept {
     int worst = -1;
     double most = rounding;
     for (std::size_t k = 0; k < half_spaces.size(); ++k) {
@@ -71,10 +73,10 @@ struct PolyhedronPoint {
 }
 
 /// The nearest point of four half-spaces at most: those that hold `before`, and a new one, which holds this one as well.
-[[nodiscard]] inline PolyhedronPoint add_half_space(const glm::dvec3& target,
-                                                    std::span<const HalfSpace> half_spaces,
-                                                    const PolyhedronPoint& before, int added,
-                                                    double rounding) noexcept {
+template <Real T = double>
+[[nodiscard]] PolyhedronPoint add_half_space(const glm::dvec3& target, std::span<const HalfSpace> half_spaces,
+                                             const PolyhedronPoint& before, int added,
+                                             double rounding) noexcept {
     const auto half_space = [&](int face) { return &half_spaces[static_cast<std::size_t>(face)]; };
     constexpr unsigned all_three = 7;
     for (unsigned chosen = 0; chosen < 1u << before.count && chosen < all_three; ++chosen) {

@@ -84,7 +84,8 @@ struct RelativePatch {
 inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
 
 /// The closest point of the four edges, which are straight.
-[[nodiscard]] inline RelativePatch::Foot closest_on_edges(const RelativePatch& p) noexcept {
+template <Real T = double>
+[[nodiscard]] RelativePatch::Foot closest_on_edges(const RelativePatch& p) noexcept {
     RelativePatch::Foot best{.squared = not_found};
     double smallest = best.squared;
     const auto along = [](double start, double rise, double z, double climb) {

@@ -24,7 +24,8 @@
 namespace hfh::detail {
 
 /// What rounding makes of the distance of a ball from the surface, in metres.
-[[nodiscard]] inline double ball_rounding(const glm::dvec3& centre, double radius) noexcept {
+template <Real T = double>
+[[nodiscard]] double ball_rounding(const glm::dvec3& centre, double radius) noexcept {
     const double size = glm::max(glm::max(std::abs(centre.x), std::abs(centre.y)), std::abs(centre.z));
     return 1e-12 * radius + 2 * epsilon<double> * size;
 }
@@ -48,8 +49,8 @@ struct BallObstacle {
 ///     ∇²|c − q| = (I − n nᵀ − J A⁻¹ Jᵀ)/|c − q|,   A = JᵀJ − (c − q)·S_xy (0 1; 1 0)
 ///
 /// with the directions J in which q may go on the patch: S_x and S_y inside, one of them on an edge, none at a vertex.
-[[nodiscard]] inline glm::dmat3 second_derivative(const RelativePatch& patch,
-                                                  const BallObstacle& at) noexcept {
+template <Real T = double>
+[[nodiscard]] glm::dmat3 second_derivative(const RelativePatch& patch, const BallObstacle& at) noexcept {
     const glm::dvec3 n = at.normal;
     const double u = at.point.u, v = at.point.v;
     const glm::dvec3 sx{1, 0, patch.slope_u(v) / patch.dx}, sy{0, 1, patch.slope_v(u) / patch.dy};
@@ -284,6 +285,7 @@ void BallObstacles<Field>::keep(const BallObstacle& obstacle) noexcept {
 }
 
 /// A ball that rolls `from` → `to` and stands on the surface there, with this normal. In metres from its end, as a patch is.
+template <Real T = double>
 struct RollingBall {
     glm::dvec3 back; ///< to where it began
     glm::dvec3 normal;
@@ -333,7 +335,7 @@ private:
 /// Whether nothing is in the way of a ball that rolls to `to`. Looks at all cells under it and its way, one after the other:
 /// they are few, and mostly all of them are clear. Counts them; false as well if they are more than `work`.
 template <HeightField Field>
-[[nodiscard]] bool rolls_freely(const Field& field, const glm::dvec3& to, const RollingBall& ball,
+[[nodiscard]] bool rolls_freely(const Field& field, const glm::dvec3& to, const RollingBall<>& ball,
                                 Index& work) noexcept {
     const ReachSearch<Field> search{field, to, 0, 0};
     const CellRange cells = field.cells();

@@ -112,8 +112,9 @@ struct PlaceInCells {
     double parameter;
     bool on_line;
 };
-[[nodiscard]] inline PlaceInCells place_in_cells(double x, double origin, double spacing, double per_metre,
-                                                 double rounding) noexcept {
+template <Real T = double>
+[[nodiscard]] PlaceInCells place_in_cells(double x, double origin, double spacing, double per_metre,
+                                          double rounding) noexcept {
     const auto at = cell_coordinate(x, origin, spacing, per_metre);
     if (at.rest <= rounding) return {at.cell, 0, true};
     if (spacing - at.rest <= rounding) return {at.cell + 1, 0, true};
