@@ -141,8 +141,39 @@ void friction_and_shading(const Effort& effort, Findings& findings) {
     }
 }
 
-/// A proxy that a ridge lets go glides at half a millimetre of hand an update. Here steps count only while contact lasts: at
-/// the rim of a hole the proxy has nowhere to glide. A hand that rests anywhere on the way waits until the proxy has arrived.
+/// Updates in contact, those of them with the proxy under way, and the most updates until it arrives if the hand rests.
+struct Gliding {
+    long contacts = 0, under_way = 0;
+    int longest_rest = 0;
+};
+
+/// A hand on the Touch. Here steps count only while contact lasts: at the rim of a hole the proxy has nowhere to glide. A
+/// hand that rests anywhere on the way waits until the proxy has arrived.
+template <Real T>
+void in_lasting_contact(Touching<T>& touching, const Path& path, Ratios& ratios, Gliding& gliding) {
+    touching.reset();
+    hfh::SimulatedDevice device{hfh::simulated_touch, {}, Along{&path}, 60};
+    auto sample = device.sample();
+    glm::dvec3 before{0.0};
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        const bool was_touching = touching.touching();
+        glm::dvec3 newtons = touching.update(sample.position);
+        if (k > 100 && touching.touching() && was_touching)
+            ratios.all.push_back(glm::length(newtons - before) / (stiffness * step_to(path, k)));
+        gliding.contacts += touching.touching();
+        gliding.under_way += touching.is_under_way();
+        gliding.longest_rest = std::max(gliding.longest_rest, touching.updates_to_arrive(sample.position));
+        if (!touching.touching()) {
+            touching.reset();
+            (void)touching.update(sample.position + glm::dvec3{0, 0, 1});
+            newtons = touching.update(sample.position);
+        }
+        before = newtons;
+        sample = device.step(newtons);
+    }
+}
+
+/// A proxy that a ridge lets go glides at half a millimetre of hand an update.
 template <Real T>
 void release_at_a_speed(const Effort& effort, Findings& findings) {
     constexpr double cell = 0.2e-3, deep = 15 * cell, speed = 0.5e-3;
@@ -165,37 +196,19 @@ void release_at_a_speed(const Effort& effort, Findings& findings) {
                                  {},
                                  {.release_speed = release_speed}};
             Ratios ratios;
-            long on_the_way = 0, updates = 0;
+            Gliding here;
             for (int n = effort.counted(40, 4); n > 0; --n) {
                 const auto path = site.wander(deep, 0.5 * cell, cell, 500);
-                touching.reset();
-                hfh::SimulatedDevice device{hfh::simulated_touch, {}, Along{&path}, 60};
-                auto sample = device.sample();
-                glm::dvec3 before{0.0};
-                for (std::size_t k = 0; k < path.size(); ++k) {
-                    const bool was_touching = touching.touching();
-                    glm::dvec3 newtons = touching.update(sample.position);
-                    if (k > 100 && touching.touching() && was_touching)
-                        ratios.all.push_back(glm::length(newtons - before) / (stiffness * step_to(path, k)));
-                    updates += touching.touching();
-                    on_the_way += touching.is_under_way();
-                    longest_rest = std::max(longest_rest, touching.updates_to_arrive(sample.position));
-                    if (!touching.touching()) {
-                        touching.reset();
-                        (void)touching.update(sample.position + glm::dvec3{0, 0, 1});
-                        newtons = touching.update(sample.position);
-                    }
-                    before = newtons;
-                    sample = device.step(newtons);
-                }
+                in_lasting_contact(touching, path, ratios, here);
             }
             const double at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
             detail.by_ground.push_back(text("%.2f, %.1f, %.0f", ratios.mean(), at_99, top));
             most_99 = std::max(most_99, at_99), largest = std::max(largest, top);
-            contacts += updates, under_way += on_the_way, without_force += touching.without_force();
+            contacts += here.contacts, under_way += here.under_way, without_force += touching.without_force();
+            longest_rest = std::max(longest_rest, here.longest_rest);
             if (ground.name == "swissalps_voids") {
                 in_alps = at_99, largest_in_alps = top;
-                contacts_in_alps = updates, under_way_in_alps = on_the_way;
+                contacts_in_alps = here.contacts, under_way_in_alps = here.under_way;
             }
         }
         findings.details.push_back(detail);

@@ -87,6 +87,28 @@ private:
     vec3<T> stylus_{T(0)};
 };
 
+/// A way over a terrain, in steps of 0.2 cells, that turns at random and back from the border.
+template <Real T>
+class Wandering {
+public:
+    explicit Wandering(const Terrain<T>& terrain)
+        : low_{terrain.low()}, high_{terrain.high()}, cell_{terrain.frame.spacing}, at_{low_ + 5.0 * cell_} {}
+
+    [[nodiscard]] glm::dvec2 next(Random& random) {
+        heading_ += random.between(-0.4, 0.4);
+        at_.x = std::clamp(at_.x + 0.2 * cell_.x * std::cos(heading_), low_.x + cell_.x, high_.x - cell_.x);
+        at_.y = std::clamp(at_.y + 0.2 * cell_.y * std::sin(heading_), low_.y + cell_.y, high_.y - cell_.y);
+        if (at_.x < low_.x + 2 * cell_.x || at_.x > high_.x - 2 * cell_.x) heading_ = 3.14159 - heading_;
+        if (at_.y < low_.y + 2 * cell_.y || at_.y > high_.y - 2 * cell_.y) heading_ = -heading_;
+        return at_;
+    }
+
+private:
+    const glm::dvec2 low_, high_, cell_;
+    glm::dvec2 at_;
+    double heading_ = 0;
+};
+
 } // namespace
 
 TEMPLATE_TEST_CASE(
@@ -130,20 +152,15 @@ TEMPLATE_TEST_CASE("ProxyGlide: never faster than its speed, never farther, felt
         for (const int limit : {8192, 8}) {
             for (const auto& scene : scenes<T>()) {
                 const Surface<T> surface{scene.terrain};
-                const glm::dvec2 low = scene.terrain.low(), high = scene.terrain.high(),
-                                 cell = scene.terrain.frame.spacing;
+                const double cell = scene.terrain.frame.spacing.x;
                 GlideWitness<T> witness{
-                    scene.terrain, 0.3 * cell.x, {.surface = kind, .max_contact_patches = limit}};
-                double x = low.x + 5 * cell.x, y = low.y + 5 * cell.y, heading = 0;
+                    scene.terrain, 0.3 * cell, {.surface = kind, .max_contact_patches = limit}};
+                Wandering<T> wandering{scene.terrain};
                 for (int n = 0; n < 300; ++n) {
-                    heading += random.between(-0.4, 0.4);
-                    x = std::clamp(x + 0.2 * cell.x * std::cos(heading), low.x + cell.x, high.x - cell.x);
-                    y = std::clamp(y + 0.2 * cell.y * std::sin(heading), low.y + cell.y, high.y - cell.y);
-                    if (x < low.x + 2 * cell.x || x > high.x - 2 * cell.x) heading = 3.14159 - heading;
-                    if (y < low.y + 2 * cell.y || y > high.y - 2 * cell.y) heading = -heading;
-                    const auto z = static_cast<double>(*surface.height(Wide(x), Wide(y)));
-                    const vec3<T> at{static_cast<T>(x), static_cast<T>(y),
-                                     static_cast<T>(z + (n == 0 ? 30 * cell.x : -3 * cell.x))};
+                    const glm::dvec2 on = wandering.next(random);
+                    const auto z = static_cast<double>(*surface.height(Wide(on.x), Wide(on.y)));
+                    const vec3<T> at{static_cast<T>(on.x), static_cast<T>(on.y),
+                                     static_cast<T>(z + (n == 0 ? 30 * cell : -3 * cell))};
                     static_cast<void>(witness.update(at));
                     if (!witness.is_under_way() || !random.one_in(4)) continue;
                     ++rests; // the hand rests: it gets to the tracker's proxy

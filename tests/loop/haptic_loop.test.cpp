@@ -246,6 +246,16 @@ struct Tips {
 };
 using Points = Tips<PointTip, PointTip>;
 
+/// `material` with some of its values changed at random, also to some that are not sensible.
+[[nodiscard]] Material with_changes(Material material, Random& random) {
+    if (random.one_in(2)) material.stiffness = random.one_in(2) ? 250 : -1;
+    if (random.one_in(3)) material.static_friction = 0.2;
+    if (random.one_in(3)) material.dynamic_friction = random.one_in(4) ? hidden_nan<double>() : 0.1;
+    if (random.one_in(3)) material.damping = random.one_in(2) ? 0 : 2;
+    if (random.one_in(3)) material.shading = !material.shading;
+    return material;
+}
+
 /// Loop and chain with the same samples, and the same done to both between them. Counts where they differ.
 template <HeightField Field, class InLoop, class InChain>
 void compare(const Field& field, const Setting& setting, std::uint64_t seed, int updates, Seen& seen,
@@ -270,12 +280,7 @@ void compare(const Field& field, const Setting& setting, std::uint64_t seed, int
         }
         if (random.one_in(1500)) loop.reset(), chain.reset();
         if (random.one_in(150)) {
-            Material other = setting.material;
-            if (random.one_in(2)) other.stiffness = random.one_in(2) ? 250 : -1;
-            if (random.one_in(3)) other.static_friction = 0.2;
-            if (random.one_in(3)) other.dynamic_friction = random.one_in(4) ? hidden_nan<double>() : 0.1;
-            if (random.one_in(3)) other.damping = random.one_in(2) ? 0 : 2;
-            if (random.one_in(3)) other.shading = !other.shading;
+            const Material other = with_changes(setting.material, random);
             loop.set_material(other), chain.change(other);
         }
         const DeviceSample sample = hand.next();
