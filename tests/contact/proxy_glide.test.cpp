@@ -186,7 +186,7 @@ TEMPLATE_TEST_CASE("ProxyGlide: without a speed that is one it changes nothing",
     const auto ground = hills<T>(24, 20, 8, 6);
     const auto grid = ground.grid();
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const double speed : {std::numeric_limits<double>::infinity(), 0.0, -1.0, nan}) {
+    for (const double speed : {std::numeric_limits<double>::max(), 0.0, -1.0, nan}) {
         ProxyTracker tracker{grid};
         ProxyGlide<T> glide{speed};
         for (int n = 0; n < 200; ++n) {

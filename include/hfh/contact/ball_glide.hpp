@@ -31,7 +31,7 @@ struct BallGlideState {
 template <Real T>
 class BallGlide {
 public:
-    constexpr explicit BallGlide(double speed = std::numeric_limits<double>::infinity()) noexcept
+    constexpr explicit BallGlide(double speed = std::numeric_limits<double>::max()) noexcept
         : point_{speed}, speed_{speed} {}
 
     /// The tracker's contact for the stylus at `stylus` (metres), with the ball where it has come to. Precondition: the stylus
@@ -69,7 +69,7 @@ BallContact<T> BallGlide<T>::follow(const Field& field, const BallContact<T>& co
         state_ = {.is_under_way = point_.state().is_under_way, .point = point_.state()};
         return gliding;
     }
-    const bool usable = speed_ > 0 && speed_ < std::numeric_limits<double>::infinity();
+    const bool usable = speed_ > 0 && speed_ < std::numeric_limits<double>::max();
     if (!contact.touching() || !usable) {
         reset();
         return contact;

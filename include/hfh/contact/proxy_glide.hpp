@@ -49,9 +49,9 @@ class ProxyGlide {
 public:
     using State = GlideState<T>;
 
-    /// So many metres an update, > 0, or 2⁻¹² cells if that is more. Anything else, and ∞: no glide. A proxy that glides looks
+    /// So many metres an update, > 0, or 2⁻¹² cells if that is more. Anything else, and the largest number: no glide. A proxy that glides looks
     /// at `max_patches` + 16 patches in an update, and goes on in the next.
-    constexpr explicit ProxyGlide(double speed = std::numeric_limits<double>::infinity(),
+    constexpr explicit ProxyGlide(double speed = std::numeric_limits<double>::max(),
                                   int max_patches = 1024) noexcept
         : speed_{speed}, max_patches_{max_patches} {}
 
@@ -62,7 +62,7 @@ public:
                                     const vec3<T>& stylus) noexcept {
         static_assert(std::same_as<typename Field::Scalar, T>, "glide and field have one scalar");
         if (contact.status == ContactStatus::bad_input) return contact;
-        const bool usable = speed_ > 0 && speed_ < std::numeric_limits<double>::infinity();
+        const bool usable = speed_ > 0 && speed_ < std::numeric_limits<double>::max();
         if (!contact.touching() || !usable) {
             reset();
             return contact;

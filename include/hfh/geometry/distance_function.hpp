@@ -18,6 +18,9 @@ namespace hfh {
 ///     F_u = σ·S_u,  F_v = σ·S_v                                                      Eq. (10)
 ///     F_uu = S_u·S_u,  F_vv = S_v·S_v,  F_uv = S_u·S_v + σ·S_uv                      Eq. (11)
 ///
+/// Where a processor fuses products with sums the derivatives are the same wherever they are computed (`multiply_add`): a point is
+/// a minimum by them, and has to be one for the next update as well.
+///
 /// F is in m², and a derivative by u or v is per cell: u and v go from 0 to 1 across the patch. The query is given in the
 /// patch's parameters, its height in metres.
 template <Real T>
@@ -42,13 +45,13 @@ struct DistanceFunction {
         const T steepest_u = glm::max(std::abs(rise_u), std::abs(far_u));
         const T steepest_v = glm::max(std::abs(rise_v), std::abs(far_v));
         const T reach = std::abs(gap00) + steepest_u + steepest_v;
-        gradient_error_u = steepest_u > 0 ? 4 * epsilon<T> * (dx2 + steepest_u * reach) : T(0);
-        gradient_error_v = steepest_v > 0 ? 4 * epsilon<T> * (dy2 + steepest_v * reach) : T(0);
+        gradient_error_u = steepest_u > 0 ? 4 * epsilon<T> * multiply_add(steepest_u, reach, dx2) : T(0);
+        gradient_error_v = steepest_v > 0 ? 4 * epsilon<T> * multiply_add(steepest_v, reach, dy2) : T(0);
     }
 
     /// z of S_u and of S_v, metres per cell.
-    [[nodiscard]] T slope_u(T v) const noexcept { return (T(1) - v) * rise_u + v * far_u; }
-    [[nodiscard]] T slope_v(T u) const noexcept { return (T(1) - u) * rise_v + u * far_v; }
+    [[nodiscard]] T slope_u(T v) const noexcept { return multiply_add(v, far_u, (T(1) - v) * rise_u); }
+    [[nodiscard]] T slope_v(T u) const noexcept { return multiply_add(u, far_v, (T(1) - u) * rise_v); }
     /// σ_z, metres.
     [[nodiscard]] T gap(T u, T v) const noexcept { return gap00 + u * rise_u + v * slope_v(u); }
 
@@ -64,14 +67,14 @@ struct DistanceFunction {
         T determinant;
     };
     [[nodiscard, gnu::always_inline]] Value operator()(T u, T v) const noexcept {
-        const T zu = slope_u(v), zv = slope_v(u), z = gap00 + u * rise_u + v * zv;
+        const T zu = slope_u(v), zv = slope_v(u), z = multiply_add(v, zv, multiply_add(u, rise_u, gap00));
         const T slopes = zu * zv, twisted = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
         const T gauss_newton = dx2 * fvv + dy2 * zu * zu;
         return {.z = z,
                 .zu = zu,
                 .zv = zv,
-                .fu = dx2 * (u - query_u) + z * zu,
-                .fv = dy2 * (v - query_v) + z * zv,
+                .fu = multiply_add(z, zu, dx2 * (u - query_u)),
+                .fv = multiply_add(z, zv, dy2 * (v - query_v)),
                 .fuu = fuu,
                 .fvv = fvv,
                 .fuv = slopes + twisted,

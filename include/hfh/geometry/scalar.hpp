@@ -125,6 +125,13 @@ template <Real T>
     if (!std::is_constant_evaluated()) {
 #if defined(__SSE_MATH__)
         asm("" : "+x"(product));
+#elif defined(__arm__) && defined(__ARM_FP) && (__ARM_FP & 8)
+        asm("" : "+w"(product));
+#elif defined(__arm__) && defined(__ARM_FP) && (__ARM_FP & 4)
+        if constexpr (std::same_as<T, float>)
+            asm("" : "+t"(product));
+        else
+            asm("" : "+r"(product)); // software computes with doubles
 #else
         asm("" : "+m"(product)); // no name for the registers that hold floats
 #endif

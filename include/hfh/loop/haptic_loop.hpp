@@ -33,8 +33,8 @@ struct HapticLoopOptions {
     TrackerOptions tracker{.max_contact_patches = 8};
     /// How fast a proxy glides that a ridge lets go, in metres at the hand an update, whatever the scale of the workspace is.
     /// 0.5e-3 lets the force step by 5·stiffness·|step of the hand| or less in 99 of 100 updates in the roughest mountains, and
-    /// 25 mm take 50 updates. ∞: it does not glide. With it the tracker needs no `max_contact_patches` for a smooth force.
-    double release_speed = std::numeric_limits<double>::infinity();
+    /// 25 mm take 50 updates. The largest number: it does not glide. With it the tracker needs no `max_contact_patches` for a smooth force.
+    double release_speed = std::numeric_limits<double>::max();
     /// Updates by which a force comes late, for the `VirtualCoupling`; each update of delay in the device adds 1. 0: no
     /// coupling.
     double lag = 0.5;
@@ -164,7 +164,7 @@ private:
         return material_.static_friction != 0 || material_.dynamic_friction != 0;
     }
     [[nodiscard]] bool has_glide() const noexcept {
-        return release_speed_ < std::numeric_limits<double>::infinity();
+        return release_speed_ < std::numeric_limits<double>::max();
     }
     [[nodiscard]] bool has_damping() const noexcept { return material_.damping != 0; }
 
