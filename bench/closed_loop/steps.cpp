@@ -1,6 +1,8 @@
 #include "hand.hpp"
 #include "report.hpp"
 
+#include <limits>
+
 // By how much the force changes from one update to the next, against k·|Δhand|.
 
 namespace closed_loop {
@@ -139,6 +141,90 @@ void friction_and_shading(const Effort& effort, Findings& findings) {
     }
 }
 
+/// A proxy that a ridge lets go glides at half a millimetre of hand an update. Here steps count only while contact lasts: at
+/// the rim of a hole the proxy has nowhere to glide. A hand that rests anywhere on the way waits until the proxy has arrived.
+template <Real T>
+void release_at_a_speed(const Effort& effort, Findings& findings) {
+    constexpr double cell = 0.2e-3, deep = 15 * cell, speed = 0.5e-3;
+    for (const double release_speed : {std::numeric_limits<double>::infinity(), speed}) {
+        const bool glides = release_speed == speed;
+        const std::string what = glides ? "glides 0.5 mm an update" : "does not glide";
+        double most_99 = 0, largest = 0, largest_in_alps = 0, in_alps = 0;
+        long contacts = 0, under_way = 0, without_force = 0, contacts_in_alps = 0, under_way_in_alps = 0;
+        int longest_rest = 0;
+        Findings::Detail detail{text("ΔF/(k·Δhand) in contact, in the hand on the Touch, 15 cells deep, 0.5 "
+                                     "cells an update, proxy %s: "
+                                     "mean, 99 %%, largest",
+                                     what.c_str()),
+                                {}};
+        for (const auto& ground : grounds<T>(cell)) {
+            Site<T> site{ground.terrain, 14};
+            Touching<T> touching{ground.terrain,
+                                 stiffness,
+                                 hfh::simulated_touch.capabilities.max_force,
+                                 {},
+                                 {.release_speed = release_speed}};
+            Ratios ratios;
+            long on_the_way = 0, updates = 0;
+            for (int n = effort.counted(40, 4); n > 0; --n) {
+                const auto path = site.wander(deep, 0.5 * cell, cell, 500);
+                touching.reset();
+                hfh::SimulatedDevice device{hfh::simulated_touch, {}, Along{&path}, 60};
+                auto sample = device.sample();
+                glm::dvec3 before{0.0};
+                for (std::size_t k = 0; k < path.size(); ++k) {
+                    const bool was_touching = touching.touching();
+                    glm::dvec3 newtons = touching.update(sample.position);
+                    if (k > 100 && touching.touching() && was_touching)
+                        ratios.all.push_back(glm::length(newtons - before) / (stiffness * step_to(path, k)));
+                    updates += touching.touching();
+                    on_the_way += touching.is_under_way();
+                    longest_rest = std::max(longest_rest, touching.updates_to_arrive(sample.position));
+                    if (!touching.touching()) {
+                        touching.reset();
+                        (void)touching.update(sample.position + glm::dvec3{0, 0, 1});
+                        newtons = touching.update(sample.position);
+                    }
+                    before = newtons;
+                    sample = device.step(newtons);
+                }
+            }
+            const double at_99 = ratios.quantile(0.99), top = ratios.quantile(1);
+            detail.by_ground.push_back(text("%.2f, %.1f, %.0f", ratios.mean(), at_99, top));
+            most_99 = std::max(most_99, at_99), largest = std::max(largest, top);
+            contacts += updates, under_way += on_the_way, without_force += touching.without_force();
+            if (ground.name == "swissalps_voids") {
+                in_alps = at_99, largest_in_alps = top;
+                contacts_in_alps = updates, under_way_in_alps = on_the_way;
+            }
+        }
+        findings.details.push_back(detail);
+        const auto goal = [glides](const char* text) { return std::string{glides ? text : ""}; };
+        const auto judged = [glides](bool met) { return glides ? verdict(met) : Verdict::none; };
+        const auto share = [](long part, long all) {
+            return part > 0 ? text("one in %.0f", static_cast<double>(all) / static_cast<double>(part))
+                            : "none";
+        };
+        findings.rows.push_back(
+            {text("force steps ΔF/(k·Δhand) in contact, in the hand on the Touch, 15 cells deep in the Alps, "
+                  "proxy %s: "
+                  "99 %%, largest",
+                  what.c_str()),
+             goal("< 5, < 20"),
+             text("%.1f, %.0f; on all ground %.1f, %.0f", in_alps, largest_in_alps, most_99, largest),
+             judged(in_alps < 5 && largest_in_alps < 20)});
+        if (!glides) continue;
+        findings.rows.push_back(
+            {"… updates in contact with the proxy under way, in the Alps", "≤ 1 in 30",
+             share(under_way_in_alps, contacts_in_alps) + "; on all ground " + share(under_way, contacts),
+             verdict(30 * under_way_in_alps <= contacts_in_alps)});
+        findings.rows.push_back({"… updates in contact without a force", "0",
+                                 text("%ld of %ld", without_force, contacts), verdict(without_force == 0)});
+        findings.rows.push_back({"… the hand rests: the proxy has arrived after", "≤ 50 ms",
+                                 text("%d ms", longest_rest), verdict(longest_rest <= 50)});
+    }
+}
+
 } // namespace
 
 template <Real T>
@@ -177,6 +263,7 @@ void steps(const Effort& effort, Findings& findings) {
         }
     }
     friction_and_shading<T>(effort, findings);
+    release_at_a_speed<T>(effort, findings);
 }
 
 template void steps<float>(const Effort&, Findings&);

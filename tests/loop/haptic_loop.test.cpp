@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -52,6 +53,7 @@ struct Setting {
     unsigned clutch = 0;
     bool tells_velocity = false;
     SurfaceKind surface = SurfaceKind::solid;
+    double release_speed = std::numeric_limits<double>::infinity();
 };
 
 [[nodiscard]] HapticLoopOptions options_of(const Setting& setting) {
@@ -59,6 +61,7 @@ struct Setting {
             .material = setting.material,
             .limits = {.stiffness = 700, .max_step = 0.002},
             .tracker = {.surface = setting.surface, .max_contact_patches = 8},
+            .release_speed = setting.release_speed,
             .lag = setting.lag,
             .clutch_buttons = setting.clutch};
 }
@@ -111,13 +114,16 @@ struct Chain {
 
     Chain(const Field& on, const HapticLoopOptions& options)
         : field{on}, material{options.material}, lag{options.lag}, clutch_buttons{options.clutch_buttons},
-          workspace{options.workspace}, tracker{on, options.tracker}, guard{options.limits} {}
+          release_speed{options.release_speed}, workspace{options.workspace}, tracker{on, options.tracker},
+          guard{options.limits} {}
 
     DeviceCommand update(const DeviceSample& sample) {
         if (sample.force_refused) tracker.reset();
         const bool clutch = (sample.buttons & clutch_buttons) > 0;
         stylus = workspace.update(sample.position, clutch);
         contact = tracker.update(stylus);
+        glide.set_speed(workspace.frame().scale * release_speed);
+        contact = glide.follow(field, contact, stylus);
         if (material.shading) contact = shade_force(field, contact);
         if (material.static_friction != 0 || material.dynamic_friction != 0)
             contact = friction.hold(field, contact, stylus);
@@ -155,6 +161,7 @@ struct Chain {
     void reset() {
         tracker.reset();
         friction = Friction{coefficients()};
+        glide.reset();
         velocity = VelocityFilter<double>{};
         coupling = VirtualCoupling{{material.stiffness, lag}};
         guard.restart();
@@ -168,9 +175,11 @@ struct Chain {
     Material material;
     double lag;
     unsigned clutch_buttons;
+    double release_speed;
     Workspace<T> workspace;
     typename Tip::template Tracker<Field> tracker;
     Friction friction{coefficients()};
+    typename Tip::template Glide<T> glide{};
     VelocityFilter<double> velocity{};
     double before = 0;
     VirtualCoupling coupling{{material.stiffness, lag}};
@@ -314,6 +323,7 @@ TEMPLATE_TEST_CASE(
     std::uint64_t seed = 0;
     for (Setting setting : settings()) {
         setting.surface = seed % 4 == 3 ? SurfaceKind::sheet : SurfaceKind::solid;
+        if (seed % 3 == 0) setting.release_speed = 0.5e-3;
         const Material& m = setting.material;
         CAPTURE(m.shading, m.static_friction, m.dynamic_friction, m.damping, setting.lag, setting.clutch,
                 setting.tells_velocity);

@@ -23,10 +23,11 @@ template <Real T>
 struct BallContact : Contact<T> {
     static constexpr int max_touches = 3;
 
-    BallTouch<T> touches[max_touches]{}; ///< with a share above 0, the largest first
-    glm::dvec3 centre{0.0};              ///< in contact: `proxy` before it is rounded to the scalar
-    int count = 0;                       ///< of `touches`; 0 without contact
-    T radius{};                          ///< of the ball, in metres
+    BallTouch<T> touches
+        [max_touches]{}; ///< with a share above 0, the largest first; on its way (descent_limit) they need not add up
+    glm::dvec3 centre{0.0}; ///< in contact: `proxy` before it is rounded to the scalar
+    int count = 0;          ///< of `touches`; 0 without contact
+    T radius{};             ///< of the ball, in metres
 };
 
 } // namespace hfh

@@ -16,8 +16,9 @@ void list_touches(const BallSlide<Field>& slide, BallContact<typename Field::Sca
     contact.count = 0;
     const PolyhedronPoint& held = slide.held();
     for (int k = 0; k < held.count; ++k) {
-        if (!(held.shares[k] > 0)) continue;
         const BallObstacle& obstacle = slide.around()[held.faces[k]];
+        // On its way the ball may be about to touch.
+        if (!(held.shares[k] > 0) || obstacle.gap > widen(contact.radius) / 1024) continue;
         const auto& point = obstacle.point;
         const BallTouch<T> touch{{point.cell, static_cast<T>(point.u), static_cast<T>(point.v)},
                                  vec3<T>{obstacle.normal},

@@ -358,6 +358,7 @@ auto BallTracker<Field>::go_on_later(const vec3<Scalar>& stylus, const Slide& sl
         state_.phase = Phase::searching;
         return without_contact(ContactStatus::sweep_limit, stylus);
     }
+    if (slide.is_on_rims_alone() && slide.centre().z < state_.stylus.z) return leave_at_rim(stylus);
     auto contact = make_contact(slide, ContactStatus::descent_limit);
     state_.phase = Phase::sliding;
     // A stylus at which the ball is clear is not pulled back to the surface.
@@ -382,11 +383,11 @@ auto BallTracker<Field>::make_contact(const Slide& slide, ContactStatus status) 
     state_.side = slide.side();
     contact.status = status;
     contact.side = state_.side;
+    contact.radius = radius_;
     contact.point = state_.foot;
     detail::list_touches(slide, contact);
     contact.penetration = vec3<Scalar>{penetration};
     contact.depth = static_cast<Scalar>(depth);
-    contact.radius = radius_;
     if (depth > 0) contact.normal = vec3<Scalar>{penetration / depth};
     state_.foot = contact.point;
     state_.centre = slide.centre();

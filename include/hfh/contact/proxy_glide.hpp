@@ -32,13 +32,14 @@ struct GlideState {
 /// shading, friction, damping and guard take it as they take a proxy on its way under limited work.
 ///
 /// It is felt when the tracker's is: never without contact, never without a force where the tracker has one, and never longer
-/// than that. While it glides, the force may point into the face that the proxy is on, as under limited work: what counts is
-/// that the stylus is below the surface, or is held by the tracker's face once that has arrived. When the hand rests, the proxy gets to the tracker's after (length of the way)/speed
+/// than that. While it glides, the force may point into the face that the proxy is on, as under limited work, but only if the
+/// stylus has the surface over it. When the hand rests, the proxy gets to the tracker's after (length of the way)/speed
 /// updates, and the contact is the tracker's from then on, to the bit.
 ///
 /// It jumps to the tracker's proxy, as there would be no glide, where its own slide ends elsewhere: in a minimum that the
 /// tracker has released, because there is air on the way to the next face, or that it does not know; at a rim or on ground
-/// that is gone; and where the contact changes sides. First contact begins at
+/// that is gone; where the contact changes sides; and where neither the face on the way holds the stylus nor the surface is over
+/// it. First contact begins at
 /// the tracker's proxy, release ends it, bad_input leaves it alone.
 ///
 /// Comes right behind the tracker: tracker, glide, shading, friction, then damping with the force. Costs some instructions
@@ -73,7 +74,7 @@ public:
         if (follows && !is_within(field, contact.point, most)) {
             const auto found = detail::descend_no_farther(field, stylus, state_.proxy, max_patches_, most);
             state_.is_under_way =
-                found.status == DescentStatus::work_limit && is_felt_at(field, found, contact.status, stylus);
+                found.status == DescentStatus::work_limit && is_felt_at(field, found, stylus);
             if (state_.is_under_way) return at_proxy(contact, stylus, found);
         }
         state_.is_under_way = false;
@@ -105,11 +106,10 @@ private:
 
     /// Whether a stylus whose contact is felt is so at a point on the way too.
     template <HeightField Field>
-    [[nodiscard]] bool is_felt_at(const Field& field, const DescentResult<T>& found, ContactStatus status,
+    [[nodiscard]] bool is_felt_at(const Field& field, const DescentResult<T>& found,
                                   const vec3<T>& stylus) const noexcept {
         const bool holds = state_.side == Side::below ? found.signed_depth < 0 : found.signed_depth > 0;
-        return holds || status == ContactStatus::contact ||
-               detail::has_surface_over(field, stylus, state_.side);
+        return holds || detail::has_surface_over(field, stylus, state_.side);
     }
 
     /// The contact with its proxy where the slide has come to.

@@ -63,6 +63,8 @@ public:
     [[nodiscard]] bool look(double margin) noexcept {
         return looks_[now_].look(centre_, ball_.radius, margin, work_);
     }
+    /// A solid: nothing holds the ball but rims and what is over it.
+    [[nodiscard]] bool is_on_rims_alone() const noexcept;
     /// Whether the surface was raised under the ball, so that they overlap.
     [[nodiscard]] bool overlaps() const noexcept {
         return is_on_wrong_side(centre_) || around().smallest_gap() < -1e-6 * ball_.radius;
@@ -124,8 +126,6 @@ private:
         const bool from_below = around()[move_.held.faces[0]].from_below;
         return from_below && ball_.surface == SurfaceKind::sheet ? Side::below : Side::above;
     }
-    /// A solid: nothing holds the ball but rims and what is over it, and they would push it down.
-    [[nodiscard]] bool hangs_on_rim(const glm::dvec3& target) const noexcept;
     [[nodiscard]] Move plan(const glm::dvec3& target, double friction) const noexcept;
     /// The step of second order where one or two obstacles hold the ball; that of first order where it is no better.
     void plan_second_step(const glm::dvec3& way, Move& move) const noexcept;
@@ -168,7 +168,8 @@ BallSlideEnd BallSlide<Field>::run(const glm::dvec3& target, bool touched, int m
         if (centre_ == target) return BallSlideEnd::at_target;
         move_ = plan(target, friction);
         touched_ = touched_ || move_.touches;
-        if (hangs_on_rim(target)) return BallSlideEnd::off_rim;
+        const bool pushed_down = move_.held.step.z - (target.z - centre_.z) < 0;
+        if (pushed_down && is_on_rims_alone()) return BallSlideEnd::off_rim;
         if (ball_.side == Side::none && move_.touches && move_.held.count > 0) ball_.side = touched_side();
         if (move_.arrived && move_.crest_count == 0) return BallSlideEnd::minimum;
         if (step >= max_steps) return BallSlideEnd::step_limit;
@@ -197,14 +198,13 @@ bool BallSlide<Field>::glide(const glm::dvec3& target, double length) noexcept {
 }
 
 template <HeightField Field>
-bool BallSlide<Field>::hangs_on_rim(const glm::dvec3& target) const noexcept {
-    if (ball_.surface != SurfaceKind::solid || move_.held.count == 0) return false;
+bool BallSlide<Field>::is_on_rims_alone() const noexcept {
     const double near = ball_.radius / 1024;
     for (int k = 0; k < move_.held.count; ++k) {
         const BallObstacle& obstacle = around()[move_.held.faces[k]];
         if (!(obstacle.on_rim || obstacle.from_below) || obstacle.gap > near) return false;
     }
-    return move_.held.step.z - (target.z - centre_.z) < 0;
+    return ball_.surface == SurfaceKind::solid && move_.held.count > 0;
 }
 
 template <HeightField Field>
@@ -224,7 +224,11 @@ auto BallSlide<Field>::plan(const glm::dvec3& target, double friction) const noe
     move.held = around().nearest_to(way, 1e-14 * (left + ball_.radius));
     move.first = move.held.step;
     plan_second_step(way, move);
-    if (friction > 0 && move.touches) {
+    // What the ball is only about to touch holds nothing back.
+    bool held_by_touches = move.touches;
+    for (int k = 0; k < move.held.count; ++k)
+        held_by_touches = held_by_touches && around()[move.held.faces[k]].gap <= near;
+    if (friction > 0 && held_by_touches) {
         const double across = glm::length(move.first), against = glm::distance(move.first, way);
         move.crest_count = 0;
         move.arrived = across <= friction * against * (1 + 1e-9);
