@@ -368,8 +368,10 @@ TEMPLATE_TEST_CASE("haptic_loop: with a ball of radius 0 it is the loop with a p
     const auto grid = ground.grid();
     Seen seen;
     std::uint64_t seed = 400;
-    for (const Setting& setting : settings())
+    for (Setting setting : settings()) {
+        if (seed % 3 == 0) setting.release_speed = 0.5e-3;
         compare(grid, setting, seed += 2, 1000, seen, Tips<BallTip, PointTip>{0});
+    }
     CHECK(seen.different == 0);
     CHECK(seen.touching > 20000);
 }
@@ -384,8 +386,9 @@ TEMPLATE_TEST_CASE(
     std::uint64_t seed = 700;
     for (const double radius : {0.5, 12.0}) {
         for (const bool shading : {false, true}) {
-            const Setting setting{{400, 0.5, 0.4, 0.8, shading}, 0.5, 2};
+            Setting setting{{400, 0.5, 0.4, 0.8, shading}, 0.5, 2};
             compare(grid, setting, seed += 2, 2000, seen, Tips<BallTip, BallTip>{radius});
+            setting.release_speed = 0.5e-3;
             compare(endless, setting, seed += 2, 2000, seen, Tips<BallTip, BallTip>{radius});
         }
     }
