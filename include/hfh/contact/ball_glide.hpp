@@ -80,7 +80,6 @@ BallContact<T> BallGlide<T>::follow(const Field& field, const BallContact<T>& co
     const double most = speed_ + glm::distance(to, state_.stylus);
     state_.stylus = to;
     state_.side = contact.side;
-    state_.point = {};
     state_.is_under_way = false;
     if (follows && glm::distance(state_.centre, contact.centre) > most) {
         const SurfaceKind surface = contact.side == Side::below ? SurfaceKind::sheet : SurfaceKind::solid;

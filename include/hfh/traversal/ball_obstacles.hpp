@@ -56,18 +56,20 @@ template <Real T = double>
     const glm::dvec3 sx{1, 0, patch.slope_u(v) / patch.dx}, sy{0, 1, patch.slope_v(u) / patch.dy};
     const auto is_inside = [](double w) { return w > 1e-9 && w < 1 - 1e-9; };
     const bool along_x = is_inside(u), along_y = is_inside(v);
-    const auto outer = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::outerProduct(a, b); };
-    glm::dmat3 turned = glm::dmat3{1.0} - outer(n, n);
+    using glm::outerProduct;
+    glm::dmat3 turned = glm::dmat3{1.0} - outerProduct(n, n);
     if (along_x && along_y) {
         const double xx = glm::dot(sx, sx), yy = glm::dot(sy, sy);
         const double xy = glm::dot(sx, sy) - at.distance * n.z * patch.twist() / (patch.dx * patch.dy);
         const double det = xx * yy - xy * xy;
         if (det > 0)
-            turned -= (yy * outer(sx, sx) + xx * outer(sy, sy) - xy * (outer(sx, sy) + outer(sy, sx))) / det;
+            turned -= (yy * outerProduct(sx, sx) + xx * outerProduct(sy, sy) -
+                       xy * (outerProduct(sx, sy) + outerProduct(sy, sx))) /
+                      det;
     } else if (along_x) {
-        turned -= outer(sx, sx) / glm::dot(sx, sx);
+        turned -= outerProduct(sx, sx) / glm::dot(sx, sx);
     } else if (along_y) {
-        turned -= outer(sy, sy) / glm::dot(sy, sy);
+        turned -= outerProduct(sy, sy) / glm::dot(sy, sy);
     }
     return turned / at.distance;
 }
@@ -160,16 +162,15 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     if (field_->cells().empty()) return true;
     const auto reach_squared = [this] { return (radius_ + margin_) * (radius_ + margin_); };
     ReachSearch<Field> search{*field_, centre, reach_squared(), work};
-    bool complete = true;
     const auto look_at = [&](Cell cell, const RelativePatch& patch) {
         const glm::dvec3 middle = patch.middle();
         const double beyond = patch.least_along(middle);
         if (beyond > 0 && beyond * beyond >= search.reach_squared() * glm::dot(middle, middle)) return true;
-        const auto end = visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
+        // A patch whose search is cut short has offered what it found.
+        (void)visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
             offer(search, cell, patch, foot);
             return true;
         });
-        complete = complete && end == MinimaEnd::complete;
         search.set_reach_squared(reach_squared());
         return true;
     };
@@ -207,12 +208,10 @@ void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, co
     obstacle.on_rim = border.on_rim;
     obstacle.from_below = !border.from_above;
     const double plane_gap = std::abs(over) - radius_;
-    if (border.is == Border::plane) {
-        if (plane_gap > obstacle.gap / 4) {
-            obstacle.normal = own_normal;
-            obstacle.gap = plane_gap;
-            obstacle.is_plane = true;
-        }
+    if (border.is == Border::plane && plane_gap > obstacle.gap / 4) {
+        obstacle.normal = own_normal;
+        obstacle.gap = plane_gap;
+        obstacle.is_plane = true;
     }
     if (!is_known(obstacle)) keep(obstacle);
 }

@@ -41,7 +41,7 @@ struct BallSweep {
 /// metres). It is met from either side, and its rims are wires.
 ///
 /// At t a point of the surface is within radius·(1 ± 1e-9) of the centre, and no point comes nearer than radius·(1 − 1e-9)
-/// before; a touch by less may be found or passed over. Computes in double. Does not throw and does not allocate.
+/// before, but for the rounding of t; a touch by less may be found or passed over. Computes in double. Does not throw and does not allocate.
 template <HeightField Field>
 [[nodiscard]] BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dvec3& from,
                                                             const glm::dvec3& to, double radius,
@@ -93,7 +93,10 @@ public:
     }
 
 private:
-    [[nodiscard]] double touching() const noexcept { return 1e-9 * radius_; }
+    /// And the rounding of t.
+    [[nodiscard]] double touching() const noexcept {
+        return 1e-9 * radius_ + 4 * epsilon<double> * glm::length(way_);
+    }
     /// A patch that is curved comes nearer than its plane told: from where the ball overlaps it back to where it touches, after a t at
     /// which it was clear.
     [[nodiscard]] bool turn_back(double clear) noexcept {
