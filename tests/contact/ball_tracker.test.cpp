@@ -160,6 +160,22 @@ TEST_CASE("ball tracker: from a crest on which it leans it goes to that side", "
     CHECK(near(found.proxy, {10.5 - along, 9.5, along - 3}));
 }
 
+TEST_CASE("ball tracker: it rolls over what is in the way only where going round that leads nearer",
+          "[ball]") {
+    // From x = -0.6 to 0 on the plane z = -1. Corner 10 of the patch is clear of both ends, and in the way between.
+    const hfh::detail::RelativePatch patch{-1.3, 0, 1, 1, -3, -0.954, -3, -3};
+    const auto rolls_to = [&](const glm::dvec3& target) {
+        const hfh::detail::RollingBall<> ball{{-0.6, 0, 0}, {0, 0, 1}, target, 1, 1e-12};
+        return ball.is_clear_of(patch);
+    };
+    CHECK(rolls_to({2, 0, -1}));
+    CHECK_FALSE(rolls_to({-0.2, 0, -6})); // it would have to rise
+    // Higher than an eighth of the radius it is no small thing.
+    const hfh::detail::RelativePatch higher{-1.3, 0, 1, 1, -3, -0.8, -3, -3};
+    CHECK_FALSE(
+        hfh::detail::RollingBall<>{{-0.6, 0, 0}, {0, 0, 1}, {2, 0, -1}, 1, 1e-12}.is_clear_of(higher));
+}
+
 TEST_CASE("ball tracker: no speed takes it through spikes thinner than itself", "[ball]") {
     // A fence: every second sample of a column is a spike.
     auto ground = plane<double>(24, 20, 0);
