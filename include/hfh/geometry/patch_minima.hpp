@@ -188,9 +188,8 @@ private:
 /// The closest point of a closed patch. Seldom more than the four edges; where no certificate holds, the search of
 /// `global_closest_point`. A template, so that who does not call it compiles nothing of that search.
 template <Real T = double>
-[[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p) noexcept {
+[[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p, const PatchShape& shape) noexcept {
     const auto edge = closest_on_edges(p);
-    const PatchShape shape{p};
     if (shape.has_minima_on_edges_only()) return edge;
     if (shape.certifies(edge.offset.z) && !leads_inward(p, edge)) return edge;
     if (shape.resolved()) {
@@ -200,6 +199,10 @@ template <Real T = double>
     const auto found = global_closest_point(p.patch(), p.query());
     const auto foot = p.foot(found.u, found.v);
     return foot.squared <= edge.squared * nearly_equal ? foot : edge;
+}
+template <Real T = double>
+[[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p) noexcept {
+    return closest_of_patch(p, PatchShape{p});
 }
 
 /// Collects local closest points of one patch, each once.
@@ -282,7 +285,7 @@ template <class Visitor>
                                      Visitor&& visit) noexcept {
     const PatchShape shape{patch};
     if (shape.has_one_minimum()) {
-        const auto foot = closest_of_patch(patch);
+        const auto foot = closest_of_patch(patch, shape);
         return !(foot.squared <= reach_squared) || visit(foot) ? MinimaEnd::complete : MinimaEnd::stopped;
     }
     MinimaOfPatch minima{patch, reach_squared, visit};

@@ -49,11 +49,13 @@ template <HeightField Field>
 
 namespace detail {
 
-/// How far a ball may go before the next look: of the order of what it takes to look around it.
+/// How far a ball may go before the next look: of the order of what it takes to look around it, and for a ball of about a cell
+/// its radius.
 template <HeightField Field>
 [[nodiscard]] double widest_margin(const Field& field, double radius) noexcept {
     const glm::dvec2 spacing = field.lattice().spacing();
-    return glm::max(radius / 2, glm::min(spacing.x, spacing.y) / 2);
+    const double cell = glm::min(spacing.x, spacing.y);
+    return glm::max(radius / 2, glm::clamp(radius, cell / 2, cell));
 }
 
 /// A ball on a segment, and what is around it at t.
