@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -68,6 +69,15 @@ template <hfh::Sample S>
 
 [[nodiscard]] bool is_radius(double radius) noexcept {
     return hfh::is_at_least_zero(radius) && hfh::is_height(radius);
+}
+
+[[nodiscard]] bool is_release_speed(double speed) noexcept {
+    return hfh::is_at_least_zero(speed) && hfh::is_finite(speed);
+}
+
+/// Of a loop, where the largest number is that a proxy does not glide.
+[[nodiscard]] double loop_release_speed(double speed) noexcept {
+    return speed > 0 ? speed : std::numeric_limits<double>::max();
 }
 
 [[nodiscard]] hfh::Material material_of(const hfh_material& m) noexcept {
@@ -199,7 +209,7 @@ static_assert(HFH_TRIP_BURIED == static_cast<int>(hfh::GuardTrip::buried) &&
               HFH_TRIP_STALE == static_cast<int>(hfh::GuardTrip::stale) &&
               HFH_TRIP_BURIED + 1 == hfh::guard_trip_count);
 static_assert(std::is_trivial_v<hfh_field_options> && std::is_standard_layout_v<hfh_field_options>);
-static_assert(sizeof(void*) != 8 || (sizeof(hfh_field_options) == 120 && sizeof(hfh_stylus_options) == 88));
+static_assert(sizeof(void*) != 8 || (sizeof(hfh_field_options) == 120 && sizeof(hfh_stylus_options) == 96));
 static_assert(sizeof(hfh_material) == 40 && sizeof(hfh_result) == 120);
 
 std::uint32_t hfh_abi() { return HFH_C_ABI; }
@@ -279,7 +289,8 @@ std::int32_t hfh_stylus_create(hfh_field* field, const hfh_stylus_options* optio
     *stylus = nullptr;
     hfh_stylus_options o;
     hfh_material m;
-    if (!field || !read(options, o) || !is_radius(o.radius)) return HFH_BAD_ARGUMENT;
+    if (!field || !read(options, o)) return HFH_BAD_ARGUMENT;
+    if (!is_radius(o.radius) || !is_release_speed(o.release_speed)) return HFH_BAD_ARGUMENT;
     hfh::HapticLoopOptions loop;
     if (o.material) {
         if (!read(o.material, m)) return HFH_BAD_ARGUMENT;
@@ -288,6 +299,7 @@ std::int32_t hfh_stylus_create(hfh_field* field, const hfh_stylus_options* optio
     loop.workspace = {.scale = o.scale == 0 ? 1 : o.scale, .offset = from_axes(field->axes, o.offset)};
     if (check(loop.workspace) != hfh::WorkspaceStatus::ok) return HFH_BAD_WORKSPACE;
     loop.lag = 0.5 + o.delay;
+    loop.release_speed = loop_release_speed(o.release_speed);
     loop.limits =
         hfh::guard_limits({.max_force = o.max_force, .rate = o.rate},
                           o.max_stiffness == 0 ? loop.material.stiffness : o.max_stiffness, loop.lag);
@@ -340,6 +352,12 @@ std::int32_t hfh_stylus_set_material(hfh_stylus* stylus, const hfh_material* mat
 std::int32_t hfh_stylus_set_radius(hfh_stylus* stylus, double radius) {
     if (!stylus || !is_radius(radius)) return HFH_BAD_ARGUMENT;
     stylus->loop().set_tip_radius(radius);
+    return HFH_OK;
+}
+
+std::int32_t hfh_stylus_set_release_speed(hfh_stylus* stylus, double release_speed) {
+    if (!stylus || !is_release_speed(release_speed)) return HFH_BAD_ARGUMENT;
+    stylus->loop().set_release_speed(loop_release_speed(release_speed));
     return HFH_OK;
 }
 

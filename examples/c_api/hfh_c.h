@@ -107,6 +107,8 @@ typedef struct hfh_stylus_options {
     double max_stiffness;         /* N/m: the stiffest material that will be set; 0: that of `material` */
     double rate;                  /* updates a second; 0: not told */
     double delay;                 /* updates by which the device acts late; 0: none */
+    /* m at the hand an update, at which a proxy glides that a ridge lets go; 0: it does not glide. 0.5e-3 feels smooth. */
+    double release_speed;
 } hfh_stylus_options;
 
 /* contact: HFH_CONTACT and HFH_DESCENT_LIMIT. */
@@ -169,6 +171,8 @@ HFH_C_API int32_t hfh_stylus_update(hfh_stylus* stylus, const double* position, 
 HFH_C_API int32_t hfh_stylus_set_material(hfh_stylus* stylus, const hfh_material* material);
 /* Of the tip, m of terrain; 0: a point. In the next update, also in contact: a ball that grows is lifted, one that shrinks sinks. */
 HFH_C_API int32_t hfh_stylus_set_radius(hfh_stylus* stylus, double radius);
+/* As `release_speed` of its options. In the next update, also while a proxy glides. */
+HFH_C_API int32_t hfh_stylus_set_release_speed(hfh_stylus* stylus, double release_speed);
 /* Forgets the stylus and the force: the next position is taken as the first one. */
 HFH_C_API int32_t hfh_stylus_reset(hfh_stylus* stylus);
 /* NULL is allowed. */

@@ -12,7 +12,7 @@ def struct(text):  # "type name, name[n]; ..." as in hfh_c.h
 
 Field = struct("u32 size; i32 sample_type; ptr samples; i64 columns, rows, column_stride, row_stride; double origin*2, "
                "spacing*2, height_scale, height_offset; i32 axes, has_no_data; double no_data; i32 keeps_bounds, reserved")
-Stylus = struct("u32 size; i32 reserved; ptr material; double scale, offset*3, radius, max_force, max_stiffness, rate, delay")
+Stylus = struct("u32 size; i32 reserved; ptr material; double scale, offset*3, radius, max_force, max_stiffness, rate, delay, release_speed")
 Result = struct("u32 size; i32 status, trip, touching; double force*3, stylus*3, proxy*3, normal*3, depth")
 
 hfh = c.CDLL(sys.argv[1])
@@ -23,7 +23,7 @@ heights = (c.c_float * (n * n))(*(0.003 * math.sin(0.5 * (k % n)) * math.cos(0.3
 field, stylus, result = c.c_void_p(), c.c_void_p(), Result()
 options = Field(sample_type=4, samples=c.cast(heights, c.c_void_p), columns=n, rows=n, spacing=(0.005, 0.005))
 assert hfh.hfh_field_create(c.byref(options), c.byref(field)) == 0
-assert hfh.hfh_stylus_create(field, c.byref(Stylus()), c.byref(stylus)) == 0
+assert hfh.hfh_stylus_create(field, c.byref(Stylus(release_speed=0.5e-3)), c.byref(stylus)) == 0
 
 rows = []
 for k in range(4000):  # down, along, up: four seconds at 1 kHz

@@ -91,6 +91,7 @@ void run(const Options& options) {
     Feeling feeling{.loop = {.material = {.stiffness = setup.stiffness}, .tracker = {}, .lag = 0},
                     .guarded = false};
     if (device) feeling = {device->loop(), true};
+    if (options.release_speed > 0) feeling.loop.release_speed = options.release_speed;
     feeling.tip = setup.tip;
     feeling.bridge = options.bridge;
     const auto done = [&] {

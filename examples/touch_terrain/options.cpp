@@ -78,6 +78,9 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
         throw BadInput{
             "--tip-hand is in millimetres of a hand, but with --device none there is no hand; take "
             "--tip."};
+    options.release_speed = tip.release_speed();
+    if (options.release_speed > 0 && options.device == DeviceChoice::none)
+        throw BadInput{"--release is in millimetres of a hand, but with --device none there is no hand."};
     if (app.count("--bridge") != 0) options.bridge = width_from(bridge);
 
     refuse_same_file("--record", options.record, "--picture", options.picture);

@@ -17,6 +17,7 @@ struct Options : TerrainOptions {
     DeviceChoice device = DeviceChoice::touch;
     std::optional<double> stiffness;
     Tip tip;
+    double release_speed = 0; ///< m of the hand an update; 0: a proxy that a ridge lets go does not glide
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> picture;
     hfh::Index bridge = 0; ///< cells: holes up to this width are spanned

@@ -27,6 +27,10 @@ TipCommandLine::TipCommandLine(CLI::App& app) : app_{&app} {
                    "The same in millimetres of the hand: on the terrain the ball is as large as the scale "
                    "makes it")
         ->type_name("MM");
+    app.add_option("--release", release_,
+                   "A proxy that a ridge lets go glides on at so many millimetres of the hand an update; 0.5 "
+                   "feels smooth. Default: it is at its new place at once")
+        ->type_name("MM");
 }
 
 Tip TipCommandLine::tip() const {
@@ -38,6 +42,10 @@ Tip TipCommandLine::tip() const {
     if (on_terrain) tip.on_terrain = radius_from("--tip", on_terrain_, "metres");
     if (at_hand) tip.at_hand = 1e-3 * radius_from("--tip-hand", at_hand_, "millimetres");
     return tip;
+}
+
+double TipCommandLine::release_speed() const {
+    return app_->count("--release") != 0 ? 1e-3 * number_from("--release", release_, false) : 0;
 }
 
 } // namespace demo

@@ -19,7 +19,7 @@ struct Tip {
     [[nodiscard]] double radius(double scale) const noexcept { return on_terrain + scale * at_hand; }
 };
 
-/// The part of a command line that gives the stylus a tip: --tip and --tip-hand. The command line refers to it.
+/// The part of a command line that says what touches: --tip and --tip-hand, and --release. The command line refers to it.
 class TipCommandLine {
 public:
     explicit TipCommandLine(CLI::App& app);
@@ -28,10 +28,12 @@ public:
 
     /// Once the command line has been parsed. Throws BadInput.
     [[nodiscard]] Tip tip() const;
+    /// How fast a proxy glides that a ridge lets go, metres of the hand an update; 0: it does not glide. As `tip`.
+    [[nodiscard]] double release_speed() const;
 
 private:
     const CLI::App* app_;
-    std::string on_terrain_, at_hand_;
+    std::string on_terrain_, at_hand_, release_;
 };
 
 } // namespace demo

@@ -33,6 +33,9 @@ public:
         loop_.tracker().set_radius(std::min(radius, 16 * cell));
         return loop_.tracker().radius();
     }
+    void set_release_speed(double release_speed) noexcept override {
+        loop_.set_release_speed(release_speed > 0 ? release_speed : std::numeric_limits<double>::max());
+    }
     Felt update(const hfh::DeviceSample& sample, const hfh::Material& material) noexcept override {
         loop_.set_material(material);
         (void)loop_.update(sample);
@@ -62,7 +65,7 @@ public:
     }
     double set_level(double level) noexcept override {
         return hfh::change_level(field_, std::clamp(level, 0.0, coarsest_level()), loop_.tracker(),
-                                 loop_.friction());
+                                 loop_.friction(), loop_.glide());
     }
 
     void begin_stroke() noexcept override { edits_.begin_stroke(); }

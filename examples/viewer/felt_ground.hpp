@@ -36,6 +36,8 @@ public:
     /// The radius of the ball that touches, m of terrain. Gives the radius that it has from now on: as large a ball as an
     /// update can pay for measures 16 cells of the level.
     virtual double set_tip(double radius) noexcept = 0;
+    /// How fast a proxy glides that a ridge lets go, m at the hand an update; 0: it does not glide.
+    virtual void set_release_speed(double release_speed) noexcept = 0;
     /// One update of the haptic loop.
     virtual Felt update(const hfh::DeviceSample& sample, const hfh::Material& material) noexcept = 0;
     /// The loop's, which zooms and moves between updates.

@@ -22,6 +22,8 @@ struct Feel {
     double damping = 0;     ///< N·s/m at the hand
     bool shading = false;   ///< force directions interpolated over vertices
     demo::Tip tip;          ///< the ball that touches
+    double release_speed =
+        0; ///< m at the hand an update: of a proxy that a ridge lets go; 0: it does not glide
 };
 
 /// At which level of detail the ground is felt and drawn.

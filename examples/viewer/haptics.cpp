@@ -58,6 +58,7 @@ Haptics::Haptics(FeltGround& ground, HapticsSettings settings)
     show_whole_terrain();
     told_.feel.stiffness = before_.feel.stiffness = default_stiffness();
     told_.feel.tip = before_.feel.tip = default_tip();
+    told_.feel.release_speed = before_.feel.release_speed = default_release_speed();
     if (!settings_.path.empty()) {
         path_.emplace(std::move(settings_.path));
         wanted_ = workspace_.to_hand(path_->at(0));
@@ -221,6 +222,7 @@ void Haptics::move_hand() noexcept {
 hfh::GuardedForce Haptics::feel(const hfh::DeviceSample& sample, const glm::dvec3& stylus) noexcept {
     const Feel& feel = told_.feel;
     state_.tip = ground_->set_tip(feel.tip.radius(workspace_.frame().scale));
+    ground_->set_release_speed(feel.release_speed);
     const Felt felt = ground_->update(sample, {.stiffness = feel.stiffness,
                                                .static_friction = feel.friction,
                                                .dynamic_friction = 0.8 * feel.friction,

@@ -21,8 +21,10 @@ enum class DeviceKind : unsigned char { touch, premium, none, phantom };
 
 struct HapticsSettings {
     DeviceKind device = DeviceKind::touch;
-    std::optional<double> stiffness;                    ///< N/m at the hand; none: the device's
-    demo::Tip tip;                                      ///< the ball that touches
+    std::optional<double> stiffness; ///< N/m at the hand; none: the device's
+    demo::Tip tip;                   ///< the ball that touches
+    double release_speed =
+        0; ///< m at the hand an update: of a proxy that a ridge lets go; 0: it does not glide
     std::optional<hfh::DeviceCapabilities> real_device; ///< of a `phantom`
     std::vector<demo::StylusSample> path;               ///< in the terrain; empty: the pointer moves the hand
     glm::dvec2 size{0.0}; ///< m of terrain, from the south-west sample to the north-east one
@@ -65,6 +67,7 @@ public:
     [[nodiscard]] bool is_in_a_hand() const noexcept { return settings_.device == DeviceKind::phantom; }
     /// The one that touches until the display says otherwise.
     [[nodiscard]] const demo::Tip& default_tip() const noexcept { return settings_.tip; }
+    [[nodiscard]] double default_release_speed() const noexcept { return settings_.release_speed; }
     /// N/m at the hand, by default.
     [[nodiscard]] double default_stiffness() const noexcept;
 

@@ -63,6 +63,7 @@ Program::Program(const Options& asked) : options{asked} {
     settings.device = options.device;
     settings.stiffness = options.stiffness;
     settings.tip = options.tip;
+    settings.release_speed = options.release_speed;
     const hfh::GridFrame frame = demo::frame_of(terrain, options);
     if (options.device == DeviceKind::phantom) {
         device = open_phantom();
@@ -150,6 +151,7 @@ void run_in_window(Program& program) {
     const auto start = Clock::now();
     auto last = start;
     while (window.is_open() && frames < program.options.frames.value_or(~std::uint64_t{0})) {
+        viewer.layer().set_pixels(window.pixels());
         const FrameInput input = window.begin_frame(viewer);
         const auto now = Clock::now();
         const double seconds = std::chrono::duration<double>(now - last).count();

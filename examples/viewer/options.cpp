@@ -82,6 +82,7 @@ std::optional<Options> read_options(int argc, const char* const* argv) {
     if (app.count("--device") != 0) options.device = device_from(device);
     if (app.count("--stiffness") != 0) options.stiffness = demo::number_from("--stiffness", stiffness, false);
     options.tip = tip.tip();
+    options.release_speed = tip.release_speed();
     if (app.count("--frames") != 0) options.frames = frames_from(frames);
     if (app.count("--size") != 0) options.size = size_from(size);
     if (options.device == DeviceKind::phantom && (options.path || options.screenshot))

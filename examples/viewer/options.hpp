@@ -18,6 +18,7 @@ struct Options : demo::TerrainOptions {
     DeviceKind device = DeviceKind::touch;
     std::optional<double> stiffness;
     demo::Tip tip;
+    double release_speed = 0; ///< m of the hand an update; 0: a proxy that a ridge lets go does not glide
     std::optional<std::filesystem::path> path;
     std::optional<std::filesystem::path> record;
     std::optional<std::filesystem::path> screenshot;

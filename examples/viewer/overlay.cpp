@@ -44,6 +44,23 @@ class Board {
 public:
     explicit Board(float pixels) : pixels_{pixels} {}
     void add(const std::string& name, const std::string& value) { rows_.push_back({name, value}); }
+    /// Each value below its name, in lines that are no wider than `width`.
+    void stack(float width) {
+        std::vector<Row> lines;
+        for (const Row& row : rows_) {
+            lines.push_back({row.name, ""});
+            const char *at = row.value.c_str(), *const end = at + row.value.size();
+            while (at < end) {
+                const char* const next = ImGui::GetFont()->CalcWordWrapPositionA(
+                    ImGui::GetFontSize() / ImGui::GetFont()->FontSize, at, end, width - 26 * pixels_);
+                lines.push_back({"", {at, std::max(next, at + 1)}});
+                at = std::max(next, at + 1);
+                while (at < end && *at == ' ') ++at;
+            }
+        }
+        rows_ = std::move(lines);
+        is_stacked_ = true;
+    }
 
     [[nodiscard]] ImVec2 size() const {
         float names = 0, values = 0;
@@ -52,7 +69,7 @@ public:
             values = std::max(values, ImGui::CalcTextSize(row.value.c_str()).x);
         }
         const float gap = names > 0 && values > 0 ? 10 * pixels_ : 0;
-        return {names + gap + values + 16 * pixels_,
+        return {(is_stacked_ ? std::max(names, gap + values) : names + gap + values) + 16 * pixels_,
                 static_cast<float>(rows_.size()) * ImGui::GetTextLineHeightWithSpacing() + 10 * pixels_};
     }
     void draw(const ImVec2& at) const {
@@ -61,10 +78,11 @@ public:
         list.AddRectFilled(at, {at.x + whole.x, at.y + whole.y}, backing, 5 * pixels_);
         float names = 0;
         for (const Row& row : rows_) names = std::max(names, ImGui::CalcTextSize(row.name.c_str()).x);
+        const float indent = is_stacked_ ? 0 : names;
         float y = at.y + 6 * pixels_;
         for (const Row& row : rows_) {
             list.AddText({at.x + 8 * pixels_, y}, dim, row.name.c_str());
-            const float x = names > 0 ? at.x + 18 * pixels_ + names : at.x + 8 * pixels_;
+            const float x = names > 0 ? at.x + 18 * pixels_ + indent : at.x + 8 * pixels_;
             list.AddText({x, y}, ink, row.value.c_str());
             y += ImGui::GetTextLineHeightWithSpacing();
         }
@@ -76,6 +94,7 @@ private:
     };
     std::vector<Row> rows_;
     float pixels_;
+    bool is_stacked_ = false;
 };
 
 std::string fixed(double value, int decimals) {
@@ -230,18 +249,45 @@ Board keys(float pixels) {
     return board;
 }
 
+/// In the middle of what the panel leaves of the picture. In a narrow one it is as high as the picture and stands alone.
+void draw_keys(const OverlayText& text, const glm::ivec2& size, float pixels, bool& stands_alone) {
+    Board board = keys(pixels);
+    const float panel = text.shows_panel ? (panel_width + margin) * pixels : 0;
+    const float room = static_cast<float>(size.x) - panel - 2 * margin * pixels;
+    stands_alone = board.size().x > room;
+    if (stands_alone) board.stack(room);
+    const ImVec2 whole = board.size();
+    board.draw(
+        {margin * pixels + std::max(room - whole.x, 0.0f) / 2, (static_cast<float>(size.y) - whole.y) / 2});
+}
+
 } // namespace
 
 ImGuiLayer::ImGuiLayer(float pixels) : context_{ImGui::CreateContext()}, pixels_{pixels} {
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
-    load_font(io, std::round(font_size * pixels));
-    ImGui::StyleColorsDark();
-    ImGui::GetStyle().WindowRounding = 5;
-    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.86f;
-    ImGui::GetStyle().ScaleAllSizes(pixels);
+    set_sizes();
     ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+void ImGuiLayer::set_pixels(float pixels) {
+    if (pixels == pixels_) return;
+    pixels_ = pixels;
+    ImGui::GetIO().Fonts->Clear();
+    set_sizes();
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+void ImGuiLayer::set_sizes() {
+    load_font(ImGui::GetIO(), std::round(font_size * pixels_));
+    ImGuiStyle style;
+    ImGui::StyleColorsDark(&style);
+    style.WindowRounding = 5;
+    style.Colors[ImGuiCol_WindowBg].w = 0.86f;
+    style.ScaleAllSizes(pixels_);
+    ImGui::GetStyle() = style;
 }
 
 ImGuiLayer::~ImGuiLayer() {
@@ -268,6 +314,9 @@ void ImGuiLayer::draw() {
 
 void draw_overlay(const OverlayText& text, const ForceHistory& force, const Camera& camera,
                   const glm::ivec2& size, float pixels) {
+    bool stands_alone = false;
+    if (text.shows_keys) draw_keys(text, size, pixels, stands_alone);
+    if (stands_alone) return;
     if (!text.shows_keys) readouts(text, pixels).draw({margin * pixels, margin * pixels});
     draw_height_legend(text, size, pixels);
     draw_scale_bar(text, camera, size, pixels);
@@ -288,11 +337,7 @@ void draw_overlay(const OverlayText& text, const ForceHistory& force, const Came
                            backing, 4 * pixels);
         list.AddText(at, dim, machine.c_str());
     }
-    if (text.shows_keys) {
-        const Board board = keys(pixels);
-        const ImVec2 whole = board.size();
-        board.draw({(static_cast<float>(size.x) - whole.x) / 2, (static_cast<float>(size.y) - whole.y) / 2});
-    } else if (text.shows_hint) {
+    if (!text.shows_keys && text.shows_hint) {
         draw_centred(
             {text.in_a_hand
                  ? "Bring the stylus down to the ground. Its first button moves the hand without it."

@@ -28,11 +28,18 @@ public:
     void begin();
     void draw();
     [[nodiscard]] float pixels() const noexcept { return pixels_; }
+    /// Between two frames: the window has come to a screen of another scale.
+    void set_pixels(float pixels);
 
 private:
+    void set_sizes();
+
     ImGuiContext* context_;
     float pixels_;
 };
+
+/// Of the panel, in pixels of text.
+inline constexpr float panel_width = 330;
 
 /// What is written over the picture.
 struct OverlayText {
@@ -46,6 +53,7 @@ struct OverlayText {
     bool shows_hint = true;
     bool in_a_hand = false; ///< a real device moves the stylus, not the pointer
     bool shows_keys = false;
+    bool shows_panel = false;       ///< on the right, and what is drawn here keeps clear of it
     double lowest = 0, highest = 0; ///< m, of the tints
     std::size_t palette = 0;
     double contour_interval = 0; ///< m; 0: none

@@ -42,6 +42,8 @@ void feel_sliders(Settings& settings, const HandState& hand) {
     slide("damping", feel.damping, 0, 3, "%.2f N s/m");
     ImGui::Checkbox("smooth force over cells (shading)", &feel.shading);
     tip_slider(feel.tip, hand, settings.feet);
+    slide_milli("release", feel.release_speed, 0, 2,
+                feel.release_speed > 0 ? "%.2f mm an update" : "at once");
     slide("press", settings.firmness, 0.2, 3, "%.1f N");
 }
 
@@ -98,8 +100,10 @@ PanelWishes draw_panel(Settings& settings, const HandState& hand, double coarses
     PanelWishes wishes;
     ImGui::SetNextWindowPos({static_cast<float>(size.x) - 12 * pixels, 12 * pixels}, ImGuiCond_Appearing,
                             {1, 0});
-    ImGui::SetNextWindowSize({330 * pixels, 0}, ImGuiCond_Appearing);
-    if (ImGui::Begin("Panel", &settings.shows_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
+    ImGui::SetNextWindowSize({panel_width * pixels, 0}, ImGuiCond_Appearing);
+    // Of another scale it is another window for Dear ImGui, which gets its place and size anew.
+    const std::string name = "Panel###" + std::to_string(pixels);
+    if (ImGui::Begin(name.c_str(), &settings.shows_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
         ImGui::PushItemWidth(150 * pixels);
         if (ImGui::CollapsingHeader("Feel", ImGuiTreeNodeFlags_DefaultOpen)) feel_sliders(settings, hand);
         if (ImGui::CollapsingHeader("Level of detail", ImGuiTreeNodeFlags_DefaultOpen))

@@ -34,6 +34,7 @@ Viewer::Viewer(TouchedTerrain& touched, int n, float pixels)
       terrain_drawer_{touched.displayed, n}, layer_{pixels}, renderer_{renderer_name()} {
     settings_.feel.stiffness = haptics_->default_stiffness();
     settings_.feel.tip = haptics_->default_tip();
+    settings_.feel.release_speed = haptics_->default_release_speed();
     settings_.save_as = std::filesystem::path{touched.terrain.name}.stem().string() + "_edited.flt";
     renderer_ = renderer_.substr(0, renderer_.find(" ("));
     take_hand();
@@ -216,6 +217,7 @@ void Viewer::draw_text(const glm::ivec2& size, double seconds) {
                          .shows_hint = settings_.shows_hint,
                          .in_a_hand = haptics_->is_in_a_hand(),
                          .shows_keys = settings_.shows_keys,
+                         .shows_panel = settings_.shows_panel,
                          .lowest = displayed_->datum + static_cast<double>(tints_.x),
                          .highest = displayed_->datum + static_cast<double>(tints_.y),
                          .palette = settings_.look.palette,

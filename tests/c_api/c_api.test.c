@@ -239,6 +239,65 @@ static void pieces(void) {
     hfh_field_destroy(field);
 }
 
+/* Below a ridge of 1 m along column 16 to its other side. The longest step of the proxy, which the ridge lets go: that of the release and that of the stylus, 1 mm. */
+static double step_at_ridge(hfh_stylus* stylus) {
+    hfh_result r;
+    double p[3], before = 0, longest = 0;
+    int k;
+    r = press(stylus, HFH_Z_UP, 13.5, 6.5, 1.995);
+    for (k = 0; k <= 500; ++k) {
+        put(HFH_Z_UP, 13.5, 6.5, 1.995 - 0.003 * k, p);
+        hfh_stylus_update(stylus, p, NULL, 0.001, &r);
+    }
+    before = r.proxy[0];
+    for (k = 0; k <= 7000; ++k) {
+        put(HFH_Z_UP, 13.5 + 0.001 * k, 6.5, 0.5, p);
+        hfh_stylus_update(stylus, p, NULL, 0.001, &r);
+        CHECK(r.touching);
+        longest = fmax(longest, fabs(r.proxy[0] - before));
+        before = r.proxy[0];
+    }
+    CHECK(NEAR(r.proxy[0], 20.5, 1e-3));
+    return longest;
+}
+
+static void glides_off_a_ridge(void) {
+    hfh_field_options o = level_options();
+    hfh_stylus_options s = stylus_options();
+    hfh_field* field = NULL;
+    hfh_stylus* stylus = NULL;
+    int k;
+    for (k = 0; k < n; ++k) level[k * n + 16] = 6;
+    CHECK(hfh_field_create(&o, &field) == HFH_OK);
+    CHECK(hfh_stylus_create(field, &s, &stylus) == HFH_OK);
+    CHECK(step_at_ridge(stylus) > 1);
+    CHECK(hfh_stylus_set_release_speed(stylus, 0.005) == HFH_OK);
+    CHECK(hfh_stylus_reset(stylus) == HFH_OK);
+    CHECK(step_at_ridge(stylus) < 0.006001);
+    CHECK(hfh_stylus_set_release_speed(stylus, 0) == HFH_OK);
+    CHECK(hfh_stylus_reset(stylus) == HFH_OK);
+    CHECK(step_at_ridge(stylus) > 1);
+    CHECK(hfh_stylus_set_release_speed(stylus, -1) == HFH_BAD_ARGUMENT);
+    CHECK(hfh_stylus_set_release_speed(stylus, infinite) == HFH_BAD_ARGUMENT);
+    CHECK(hfh_stylus_set_release_speed(NULL, 0.001) == HFH_BAD_ARGUMENT);
+    hfh_stylus_destroy(stylus);
+
+    s.release_speed = 0.005;
+    s.scale = 1;
+    CHECK(hfh_stylus_create(field, &s, &stylus) == HFH_OK);
+    CHECK(step_at_ridge(stylus) < 0.006001);
+    hfh_stylus_destroy(stylus);
+    /* Of a program whose header did not have it yet. */
+    s.size = (uint32_t)((char*)&s.release_speed - (char*)&s);
+    CHECK(hfh_stylus_create(field, &s, &stylus) == HFH_OK);
+    CHECK(step_at_ridge(stylus) > 1);
+    hfh_stylus_destroy(stylus);
+    s.size = sizeof s;
+    s.release_speed = not_a_number;
+    CHECK(hfh_stylus_create(field, &s, &stylus) == HFH_BAD_ARGUMENT && stylus == NULL);
+    hfh_field_destroy(field);
+}
+
 static void bad_arguments(void) {
     hfh_field_options o = level_options(), bad;
     hfh_stylus_options s = stylus_options(), bad_s;
@@ -400,6 +459,7 @@ int main(void) {
         slopes(axes, 1);
     }
     pieces();
+    glides_off_a_ridge();
     bad_arguments();
     types();
     printf("%d failures\n", failures);

@@ -45,8 +45,8 @@ struct BallState {
 /// felt at the next update: ground that rises lifts the ball vertically until it is clear. A sheet is felt from either side.
 ///
 /// What `ProxyTracker` says of statuses, of limited work and of rest holds here as well, but that an update looks at no
-/// less than it takes to go one step: `max_patches`, or 8 (2 a/dx + 3)(2 a/dy + 3) patches with a = r + max(r, min(dx, dy))/2, if that
-/// is more. `max_contact_patches` limits the steps of a slide, each of which takes a look around the ball; so many, and two more
+/// less than it takes to go one step: `max_patches`, or 8 (2 a/dx + 3)(2 a/dy + 3) patches, where a is r and how far
+/// the ball may go between two looks, if that is more. `max_contact_patches` limits the steps of a slide, each of which takes a look around the ball; so many, and two more
 /// for each cell that the stylus moved.
 ///
 /// With r = 0 it is a `ProxyTracker`, to the bit. Two balls on one field are two trackers. Computes in double. `update` is

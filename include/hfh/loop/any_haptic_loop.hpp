@@ -27,6 +27,7 @@ public:
     [[nodiscard]] virtual DeviceCommand update(const DeviceSample& sample) noexcept = 0;
     [[nodiscard]] virtual const Material& material() const noexcept = 0;
     virtual void set_material(const Material& material) noexcept = 0;
+    virtual void set_release_speed(double release_speed) noexcept = 0;
     virtual void reset() noexcept = 0;
     /// `BallTracker::set_radius`, in metres of terrain; a point stays one.
     virtual void set_tip_radius(double radius) noexcept = 0;
@@ -65,6 +66,7 @@ public:
     }
     [[nodiscard]] const Material& material() const noexcept override { return loop_.material(); }
     void set_material(const Material& material) noexcept override { loop_.set_material(material); }
+    void set_release_speed(double release_speed) noexcept override { loop_.set_release_speed(release_speed); }
     void reset() noexcept override { loop_.reset(); }
     void set_tip_radius(double radius) noexcept override {
         if constexpr (requires { loop_.tracker().set_radius(Scalar{}); })

@@ -125,6 +125,12 @@ public:
     [[nodiscard]] const Material& material() const noexcept { return material_; }
     void set_material(const Material& material) noexcept;
 
+    /// As `HapticLoopOptions::release_speed`, from the next update on, also while a proxy glides.
+    void set_release_speed(double release_speed) noexcept {
+        release_speed_ = release_speed;
+        if (!has_glide()) glide_.reset();
+    }
+
     /// Starts again: the next sample is taken as the first one.
     void reset() noexcept;
 
