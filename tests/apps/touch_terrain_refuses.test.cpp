@@ -238,6 +238,9 @@ TEST_CASE("touch_terrain: refuses option values out of range", "[touch_terrain]"
     }
     folder.refuses("good.bil --tip 1 --tip-hand 1", {"--tip and --tip-hand", "one radius"});
     folder.refuses("good.bil --tip-hand 1 --device none", {"--tip-hand", "--device none", "no hand"});
+    for (const std::string bad : {"0", "-1", "nan", "fast", "''"})
+        folder.refuses("good.bil --release " + bad, {"--release", "from 1e-12 to 1e12"});
+    folder.refuses("good.bil --release 0.5 --device none", {"--release", "--device none", "no hand"});
     folder.refuses("good.bil --device omni", {"--device is 'omni'", "touch, premium or none"});
     const Run without_value = folder.run("good.bil --path");
     CHECK(without_value.code == 2);

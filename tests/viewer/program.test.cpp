@@ -18,7 +18,7 @@ TEST_CASE("the viewer refuses what it cannot do in one sentence", "[program]") {
     const Folder folder;
     for (const char* arguments :
          {"--size 12", "--size 10x10", "--frames 0", "--device joystick", "missing.bil", "--tip -1",
-          "--tip-hand nan", "--tip 20 --tip-hand 2", "--screenshot a.png --record a.png",
+          "--tip-hand nan", "--release 0", "--tip 20 --tip-hand 2", "--screenshot a.png --record a.png",
           "--path missing.csv --screenshot a.png"}) {
         const Run made = run(folder, arguments);
         INFO(arguments << ": " << made.err);

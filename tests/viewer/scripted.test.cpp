@@ -148,6 +148,27 @@ TEST_CASE("a ball rests on the ground, keeps its size in the hand while zooming,
     CHECK(stage.hand().tip == 0);
 }
 
+TEST_CASE("on a screen of another scale text and panel are as they would have been from the start",
+          "[scripted]") {
+    const auto context = context_or_skip();
+    if (!context) return;
+    const auto seen = [](bool changes) {
+        viewer::TouchedTerrain touched{bundled_terrain(), bundled_frame, {}};
+        const glm::ivec2 size{1280, 960};
+        viewer::OffscreenFrame target{size};
+        viewer::Viewer shown{touched, 127, changes ? 1.0f : 2.0f};
+        shown.settings().shows_panel = shown.settings().shows_keys = true;
+        for (int k = 0; k < 6; ++k) {
+            if (k == 3) shown.layer().set_pixels(2);
+            target.bind();
+            shown.layer().begin_without_window(size, 0.02f);
+            (void)shown.frame({}, size, 0.02, true);
+        }
+        return viewer::read_colours(size);
+    };
+    CHECK(seen(true) == seen(false));
+}
+
 TEST_CASE("what is touched stays in the picture, from the whole terrain into one cell and out again",
           "[scripted]") {
     const auto context = context_or_skip();
