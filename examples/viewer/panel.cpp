@@ -5,6 +5,8 @@
 
 #include <imgui_stdlib.h>
 
+#include <limits>
+
 namespace viewer {
 namespace {
 
@@ -101,6 +103,8 @@ PanelWishes draw_panel(Settings& settings, const HandState& hand, double coarses
     ImGui::SetNextWindowPos({static_cast<float>(size.x) - 12 * pixels, 12 * pixels}, ImGuiCond_Appearing,
                             {1, 0});
     ImGui::SetNextWindowSize({panel_width * pixels, 0}, ImGuiCond_Appearing);
+    ImGui::SetNextWindowSizeConstraints(
+        {0, 0}, {std::numeric_limits<float>::max(), static_cast<float>(size.y) - 24 * pixels});
     // Of another scale it is another window for Dear ImGui, which gets its place and size anew.
     const std::string name = "Panel###" + std::to_string(pixels);
     if (ImGui::Begin(name.c_str(), &settings.shows_panel, ImGuiWindowFlags_NoFocusOnAppearing)) {
