@@ -1,18 +1,19 @@
 #include "board.hpp"
-#include "guard.hpp"
 #include "recorded_strokes.hpp"
 
+#include <hfh/device/force_guard.hpp>
 #include <hfh/hfh.hpp>
 
 #include <bit>
+#include <concepts>
 #include <cstdint>
 
 // Strokes over ground in flash, as firmware would feel them: stylus → contact → force → guard. Prints a line for each: a hash
-// of all forces, and instructions an update. HFH_SCALAR is what the update computes in, float or double.
+// of all forces, and instructions an update. HFH_SCALAR is what all of it computes in, float or double.
 
 namespace {
 
-using microcontroller::Scalar;
+using Scalar = HFH_SCALAR;
 // Places are computed in Scalar too: the ground lies at the origin.
 using Ground = hfh::BilinearGrid<Scalar, hfh::HeightView<std::int16_t>, Scalar>;
 
@@ -25,8 +26,17 @@ static_assert(ground.status() == hfh::GridStatus::ok);
 struct Loop {
     hfh::ProxyTracker<Ground> tracker{ground, {.max_patches = 100, .max_contact_patches = 8}};
     hfh::ForceEvaluator<Scalar> force{.stiffness = 500, .max_force = Scalar(3.3)};
-    microcontroller::Guard guard;
+    hfh::BasicForceGuard<Scalar> guard;
 };
+
+/// The time of an update, so many milliseconds after the start.
+template <hfh::Real T>
+[[nodiscard]] constexpr hfh::DeviceTime<T> time_of(int milliseconds) noexcept {
+    if constexpr (std::same_as<T, double>)
+        return 0.001 * milliseconds;
+    else
+        return {std::int64_t{1'000'000} * milliseconds};
+}
 
 /// FNV-1a of the bits of what is felt.
 class Hash {
@@ -79,8 +89,9 @@ Felt feel(const microcontroller::Stroke& stroke) noexcept {
         const hfh::Contact<Scalar> contact = loop.tracker.update(stylus);
         const hfh::Force<Scalar> force = loop.force(contact);
         const std::uint32_t middle = board::clock();
-        const hfh::GuardedForce guarded =
-            loop.guard.update(n, stylus, force.newtons, contact.status == hfh::ContactStatus::buried);
+        const hfh::BasicGuardedForce<Scalar> guarded =
+            loop.guard.update({.time = time_of<Scalar>(n), .position = stylus}, force.newtons,
+                              contact.status == hfh::ContactStatus::buried);
         const std::uint32_t end = board::clock();
 
         felt.update.add(board::instructions_between(begin, middle) - clock_itself);
