@@ -128,7 +128,7 @@ template <Real F>
 
 /// s from one time to another.
 [[nodiscard]] inline double seconds_between(double from, double to) noexcept { return to - from; }
-[[nodiscard]] inline float seconds_between(Nanoseconds from, Nanoseconds to) noexcept {
+[[nodiscard, gnu::noinline]] inline float seconds_between(Nanoseconds from, Nanoseconds to) noexcept {
     // By halves: no processor that this is for converts 64 bits.
     const std::int64_t between = to.count - from.count;
     const auto size = static_cast<std::uint64_t>(between < 0 ? -between : between);

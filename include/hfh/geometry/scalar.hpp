@@ -19,6 +19,14 @@
 #include <limits>
 #include <type_traits>
 
+/// An attribute for what is inlined into each of its callers: that makes an update faster, and its code larger. Where code has
+/// to be small, which HFH_SMALL_CODE says or -Os, it is none, and the compiler decides. Results are the same either way.
+#if defined(HFH_SMALL_CODE) || defined(__OPTIMIZE_SIZE__)
+#define HFH_ALWAYS_INLINED
+#else
+#define HFH_ALWAYS_INLINED gnu::always_inline
+#endif
+
 namespace hfh {
 
 /// The scalars the library computes in.

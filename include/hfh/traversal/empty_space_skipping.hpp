@@ -160,7 +160,7 @@ template <HeightField Field, Real F>
 /// Whether all cells of a slab that the segment may touch have patches, which lie below it. `major` is their number along
 /// the major axis. Precondition: there are cells with that number.
 template <bool x_major, HeightField Field>
-[[nodiscard, gnu::always_inline]] inline bool
+[[nodiscard, HFH_ALWAYS_INLINED]] inline bool
 slab_lies_below(const Field& field, Index major,
                 const typename SegmentProfile<FrameScalar<Field>>::SlabPart& part) noexcept {
     if constexpr (CorneredHeightField<Field>) {
@@ -256,7 +256,7 @@ private:
 
     /// Adds the empty slabs before `by_cells_until_`, from slab `slab` on and of the next `left`. False if a slab is not
     /// empty: then the search is over.
-    [[nodiscard, gnu::always_inline]] bool add_by_cells(EmptySlabs& found, Index slab, Index left,
+    [[nodiscard, HFH_ALWAYS_INLINED]] bool add_by_cells(EmptySlabs& found, Index slab, Index left,
                                                         Index budget) const noexcept {
         if (found.side == Side::below) return false; // cells are compared from above only
         const Index wanted = glm::min(glm::min(by_cells_until_ - slab, left), glm::max<Index>(budget / 3, 1));
@@ -271,7 +271,7 @@ private:
 
     /// Adds the empty slabs as far as the next block of the level above, from slab `slab` on and of the next `left`. Goes
     /// one level up where all are empty, else one level down; from the lowest one to cells.
-    [[gnu::always_inline]] void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
+    [[HFH_ALWAYS_INLINED]] void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
         const bool highest = level_ + 1 == levels_;
         const Index wanted = highest ? left : glm::min(slabs_left(level_ + 1, slab), left);
         const Index empty = empty_slabs(found, slab, wanted);
@@ -286,7 +286,7 @@ private:
     }
 
     /// `slabs_beside_blocks` on the side of what has been found; where that is not known yet, on either side.
-    [[nodiscard, gnu::always_inline]] Index empty_slabs(EmptySlabs& found, Index slab,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Index empty_slabs(EmptySlabs& found, Index slab,
                                                         Index wanted) const noexcept {
         Index empty = found.side == Side::below
                           ? slabs_beside_blocks<Side::below>(slab, wanted, found.looked_at)
@@ -331,7 +331,7 @@ private:
 
     /// The heights of the blocks from `minor` to `last` of a slab of blocks. As blocks are as wide as they are long, these
     /// are one or two, which is hard to predict; three where the segment goes through a vertex.
-    [[nodiscard, gnu::always_inline]] auto heights_of_blocks(Index major, Index minor,
+    [[nodiscard, HFH_ALWAYS_INLINED]] auto heights_of_blocks(Index major, Index minor,
                                                              Index last) const noexcept {
         auto heights = heights_of_pair(major, minor, last);
         if (last - minor > 1) [[unlikely]] {
@@ -340,7 +340,7 @@ private:
         }
         return heights;
     }
-    [[nodiscard, gnu::always_inline]] auto heights_of_pair(Index major, Index one,
+    [[nodiscard, HFH_ALWAYS_INLINED]] auto heights_of_pair(Index major, Index one,
                                                            Index other) const noexcept {
         return field_.block_range(level_, block_at<x_major>(major, one), block_at<x_major>(major, other));
     }
@@ -423,7 +423,7 @@ template <Real F>
 /// lie below the segment; else 0. Nearly every update of a stylus in free flight ends here. It needs no exact numbers of
 /// cells: these are widened by more than the rounding of the exact traversal.
 template <HeightField Field>
-[[nodiscard, gnu::always_inline]] inline Index
+[[nodiscard, HFH_ALWAYS_INLINED]] inline Index
 cells_below_short_segment(const Field& field, const vec3<FrameScalar<Field>>& a,
                           const vec3<FrameScalar<Field>>& b) noexcept {
     using F = FrameScalar<Field>;

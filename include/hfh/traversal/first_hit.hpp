@@ -109,7 +109,7 @@ struct CrossingTest {
     F covered_to = 0;   ///< up to this t there were patches all along
 
     /// Tests the next cell; false if the search is over. Inlined, so that the span does not go through memory.
-    [[gnu::always_inline]] bool operator()(const BasicCellSpan<F>& span) noexcept {
+    [[HFH_ALWAYS_INLINED]] bool operator()(const BasicCellSpan<F>& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none; // behind a hole
         // Along a grid line the cell before this one may have settled part of the span, or all of it.
         if (out_of_cells(glm::max(span.t_in, covered_to))) return false;
