@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 // A guard's thresholds, and the names of what trips it.
 
@@ -152,11 +153,10 @@ template <Real F>
 /// Whether a guard can go by these limits.
 template <Real F>
 [[nodiscard]] bool is_usable(const BasicGuardLimits<F>& l) noexcept {
-    using detail::is_limit;
-    const bool numbers = is_limit(l.max_force) && is_limit(l.max_slew) && is_limit(l.ramp) &&
-                         is_limit(l.stiffness) && is_limit(l.max_sudden) && is_limit(l.max_gap) &&
-                         is_limit(l.period) && is_limit(l.max_still) && is_limit(l.max_speed) &&
-                         is_limit(l.max_step);
+    bool numbers = true;
+    for (const F limit : {l.max_force, l.max_slew, l.ramp, l.stiffness, l.max_sudden, l.max_gap, l.period,
+                          l.max_still, l.max_speed, l.max_step})
+        numbers = numbers && detail::is_limit(limit);
     return numbers && l.max_repeats >= 0 && l.max_force > 0 && l.max_slew > 0 && l.max_gap > 0 &&
            l.max_speed > 0;
 }
