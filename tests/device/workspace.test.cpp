@@ -290,9 +290,23 @@ TEST_CASE("suitable_level: a cell of that level measures so much in the hand", "
     CHECK(suitable_level(20000, 10, 1e-3) == Approx(1));
     Random random{32};
     for (int n = 0; n < 200; ++n) {
-        const double scale = std::exp(random.between(0, 12)), cell = std::exp(random.between(-3, 5)),
-                     in_hand = std::exp(random.between(-9, -4));
-        CHECK(cell * std::pow(2, suitable_level(scale, cell, in_hand)) / scale == Approx(in_hand));
+        const double cell = std::exp(random.between(-3, 5)), in_hand = std::exp(random.between(-9, -4)),
+                     whole = static_cast<double>(random.whole(-3, 12)),
+                     scale = cell / in_hand * std::exp2(whole);
+        CAPTURE(cell, in_hand, whole);
+        const auto level = [&](double octaves) {
+            return suitable_level(scale * std::exp2(octaves), cell, in_hand);
+        };
+        CHECK(level(0) == Approx(whole).margin(1e-12));
+        CHECK(level(0.5) == Approx(whole + 0.5));
+        // Between whole levels about, never back, and at whole ones next to standing still.
+        double last = level(0);
+        for (double alpha = 0.01; alpha < 1; last = level(alpha), alpha += 0.01) {
+            CHECK(level(alpha) >= last);
+            CHECK(cell * std::exp2(level(alpha)) / (scale * std::exp2(alpha)) ==
+                  Approx(in_hand).epsilon(0.07));
+        }
+        for (const double alpha : {-0.001, 0.001}) CHECK(std::abs(level(alpha) - whole) < 4e-6);
     }
 }
 

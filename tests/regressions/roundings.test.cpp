@@ -205,3 +205,42 @@ TEMPLATE_TEST_CASE("first_hit: a segment that does not get off a cliff hits it w
         }
     }
 }
+
+TEMPLATE_TEST_CASE(
+    "proxy_tracker: a search that is cut short where its way grazes a crest ends as one search does",
+    "[proxy_tracker][limited][regression]", float, double) {
+    using T = TestType;
+    // It went on from where it had come to, rounded, and so met a crest that the whole way touches and does not cross: in
+    // contact for good, where one search finds nothing.
+    Random random{11};
+    int cut_short = 0;
+    for (int n = 0; n < 3000; ++n) {
+        const auto ground = terrain<T>(12, 6, [&](Index, Index) {
+            return random.one_in(4) ? static_cast<double>(random.whole(0, 3)) : 0.0;
+        });
+        const auto grid = ground.grid();
+        const auto place = [&](std::int64_t lowest, std::int64_t highest) {
+            return vec3<T>{static_cast<T>(random.fraction(1, 10, 3)),
+                           static_cast<T>(random.fraction(1, 4, 3)),
+                           static_cast<T>(random.whole(lowest, highest))};
+        };
+        const vec3<T> start = place(1, 5), end = place(0, 3);
+        ProxyTracker unlimited{grid};
+        (void)unlimited.update(start);
+        (void)unlimited.update(end);
+        const auto whole = unlimited.update(end);
+        for (int patches = 1; patches <= 6; ++patches) {
+            CAPTURE(n, patches, start.x, start.y, start.z, end.x, end.y, end.z);
+            ProxyTracker tracker{grid, {.max_patches = patches}};
+            (void)tracker.update(start);
+            auto contact = tracker.update(end);
+            for (int k = 0; k < 100; ++k) {
+                cut_short += contact.status == ContactStatus::sweep_limit;
+                contact = tracker.update(end);
+            }
+            CHECK(contact.status == whole.status);
+            CHECK(static_cast<double>(glm::distance(contact.proxy, whole.proxy)) < 1e-5);
+        }
+    }
+    CHECK(cut_short > 5'000);
+}

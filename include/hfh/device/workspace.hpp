@@ -58,12 +58,18 @@ template <Real F = double>
     return is_finite(frame.offset) ? WorkspaceStatus::ok : WorkspaceStatus::bad_offset;
 }
 
-/// The level of detail, any number, on which a cell measures `cell_in_hand` metres in the hand: log₂(cell_in_hand·scale/cell).
-/// `scale` is that of a workspace, `cell` the width in metres of a cell of level 0. Finer cells are noise for a hand, which
-/// resolves about half a millimetre. Below 0 where even the finest cells are wider than that; `BlendedField::set_level` takes
-/// the nearest level that there is.
+/// The level of detail, any number, on which a cell measures about `cell_in_hand` metres in the hand. `scale` is that of a
+/// workspace, `cell` the width in metres of a cell of level 0. Finer cells are noise for a hand, which resolves about half a
+/// millimetre. Below 0 where even the finest cells are wider than that; `BlendedField::set_level` takes the nearest level
+/// that there is.
+///
+/// log₂(cell_in_hand·scale/cell) where that is a whole number, and between two of them on the curve 3α² − 2α³ (within 7 % of
+/// `cell_in_hand`): the ground stands still for a moment at each whole level. There the blend turns to a neighbour whose
+/// heights may be cells away, and slopes change fastest.
 [[nodiscard]] inline double suitable_level(double scale, double cell, double cell_in_hand = 0.5e-3) noexcept {
-    return std::log2(cell_in_hand * scale / cell);
+    const double level = std::log2(cell_in_hand * scale / cell), whole = std::floor(level),
+                 alpha = level - whole;
+    return whole + alpha * alpha * (3 - 2 * alpha);
 }
 
 /// Maps a device's workspace to the terrain, and forces back.

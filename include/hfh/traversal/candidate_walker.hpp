@@ -228,9 +228,10 @@ struct CellWalk {
             cell_coordinate(b.y, lattice.origin().y, lattice.spacing().y, lattice.cells_per_metre().y),
             b.y - a.y, lattice.spacing().y, lattice.cells_per_metre().y} {}
 
-    /// Goes to the first cell of the range, once, before anything else. False if the segment is never there.
-    [[nodiscard]] bool enter(const CellRange& range) noexcept {
-        F t_enter = 0, t_leave = 1;
+    /// Goes to the first cell of the range, once, before anything else; of those that the segment is in at `begin` or later.
+    /// False if the segment is never there.
+    [[nodiscard]] bool enter(const CellRange& range, F begin = 0) noexcept {
+        F t_enter = begin, t_leave = 1;
         if (range.empty() || !x.clip(range.begin.i, range.end.i, t_enter, t_leave) ||
             !y.clip(range.begin.j, range.end.j, t_enter, t_leave) || t_enter > t_leave) {
             return false;

@@ -365,16 +365,17 @@ private:
 };
 
 /// Visits the cells under a segment that goes a cell along its major axis or more, but for those in empty slabs. What is
-/// visited and what is passed over is in the order of the segment, from a on.
+/// visited and what is passed over is in the order of the segment, from `begin_at` on.
 ///
 /// `test` is the visitor, and says what may be passed over: `may_skip()`, `cells_left()` that it may still look at, and
 /// `side_at(t)` of what begins at t. It is told of what was: `count(cells)` looked at, and `pass(t, side)` for everything
 /// up to t, on one side of the surface. `az` and `bz` are the heights of the segment's ends.
 template <bool x_major, HeightField Field, class Test>
 void walk_with_skipping(const Field& field, const CellRange& range, CellWalk<FrameScalar<Field>>& walk,
-                        FrameScalar<Field> az, FrameScalar<Field> bz, Test& test) noexcept {
+                        FrameScalar<Field> begin_at, FrameScalar<Field> az, FrameScalar<Field> bz,
+                        Test& test) noexcept {
     using F = FrameScalar<Field>;
-    if (!walk.enter(range)) return;
+    if (!walk.enter(range, begin_at)) return;
     AxisWalk<F>&major = x_major ? walk.x : walk.y, &minor = x_major ? walk.y : walk.x;
     const SegmentProfile<F> profile{major, minor, az, bz};
     const IndexRange majors = major_range<x_major>(range), minors = minor_range<x_major>(range);
