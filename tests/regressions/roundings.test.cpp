@@ -244,3 +244,19 @@ TEMPLATE_TEST_CASE(
     }
     CHECK(cut_short > 5'000);
 }
+
+TEST_CASE("descend: from a hair off a border it comes to the border, not nearer by parts",
+          "[descent][regression]") {
+    // What a step of 10⁻¹⁷ cells gains is below the rounding of what any other promises: those along the valley took it a
+    // third of the way each time, 64 steps an update for some thirty updates.
+    constexpr double heights[3][3]{{0.07597195014210528, 0.04693455238971965, -0.046216091437395364},
+                                   {-0.15103413519584083, 0.09308933634872203, -0.12787781108361365},
+                                   {-0.05714792016245612, 0.0753574957167502, 0.05900291715981051}};
+    const auto made = terrain<double>(3, 3, [&](Index i, Index j) { return heights[j][i]; },
+                                      {.spacing = {1, 0.11180009221317322}});
+    const auto grid = made.grid();
+    const auto end = descend(grid, glm::dvec3{0.4140625, 0.86645071465209245, 0.93039936728735051},
+                             SurfacePoint<double>{{0, 0}, 0.4140625, 8.2366170350916584e-18}, 100);
+    CHECK(end.status != DescentStatus::work_limit);
+    CHECK(end.patches < 20);
+}
