@@ -309,3 +309,40 @@ TEST_CASE("suitable_level: a cell of that level measures so much in the hand", "
         for (const double alpha : {-0.001, 0.001}) CHECK(std::abs(level(alpha) - whole) < 4e-6);
     }
 }
+
+TEST_CASE("Workspace: in float it maps as in double, to some roundings, and is clutched and zoomed alike",
+          "[workspace][law]") {
+    Random random{31};
+    for (int n = 0; n < 1000; ++n) {
+        const double size = std::exp(random.between(-3, 5)); // of the terrain, m
+        // Both have the same frame, and the turn is one to the rounding of a float.
+        const glm::mat3 turn{random_rotation(random)};
+        const auto scale = static_cast<float>(std::exp(random.between(-3, 5)));
+        const vec3<float> offset{random_point(random, size)};
+        Workspace<float, float> single{{.scale = scale, .rotation = turn, .offset = offset}};
+        Workspace<double> reference{
+            {.scale = widen(scale), .rotation = glm::dmat3{turn}, .offset = widen(offset)}};
+        REQUIRE(single.status() == WorkspaceStatus::ok);
+        const double bound = tolerance<float>(size + widen(scale));
+        for (int step = 0; step < 20; ++step) {
+            const bool clutch = step >= 5 && step < 10;
+            const vec3<float> hand{random_point(random, 0.1)};
+            const auto one = single.update(hand, clutch);
+            const auto other = reference.update(widen(hand), clutch);
+            CHECK(glm::distance(widen(one), other) < bound);
+            const vec3<float> newtons{random_point(random, 3)};
+            CHECK(
+                glm::distance(widen(single.force_at_hand(newtons)), reference.force_at_hand(widen(newtons))) <
+                tolerance<float>(6 * widen(scale)));
+            if (step == 12) {
+                CHECK(single.zoom(scale / 2, one) == WorkspaceStatus::ok);
+                CHECK(reference.zoom(widen(scale) / 2, other) == WorkspaceStatus::ok);
+            }
+        }
+        CHECK(widen(single.terrain_stiffness(400)) == Approx(reference.terrain_stiffness(400)));
+        CHECK(widen(single.terrain_force(3)) == Approx(reference.terrain_force(3)));
+    }
+    // A reflection, and a turn that is none.
+    CHECK(check(BasicWorkspaceFrame<float>{.rotation = glm::mat3{-1.0f}}) == WorkspaceStatus::bad_rotation);
+    CHECK(check(BasicWorkspaceFrame<float>{.rotation = glm::mat3{1.001f}}) == WorkspaceStatus::bad_rotation);
+}

@@ -211,7 +211,7 @@ private:
     /// After a search from a released minimum that came to no other face: free, or, if it was cut short and the stylus has the
     /// surface over it, still in contact, unless there is no patch at that minimum any more. Inlined, so that what GCC 12 makes of an update does not depend on what else was
     /// included before.
-    [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus, const Hit& hit,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Contact<Scalar> end_release(const vec3<Scalar>& stylus, const Hit& hit,
                                                                   const DescentResult<Scalar>& found,
                                                                   int patches) noexcept;
     /// The search was cut short: remembers how far it came.
@@ -250,7 +250,7 @@ private:
     [[nodiscard]] Scalar rounding_bound(const DescentResult<Scalar>& found) const noexcept;
 
     /// In contact at `found`. Not `felt`: a stylus that is outside is not pulled back to the surface.
-    [[nodiscard, gnu::always_inline]] Contact<Scalar> make_contact(const vec3<Scalar>& stylus,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Contact<Scalar> make_contact(const vec3<Scalar>& stylus,
                                                                    const DescentResult<Scalar>& found,
                                                                    ContactStatus status, bool felt,
                                                                    int patches) const noexcept;

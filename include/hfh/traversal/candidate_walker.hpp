@@ -278,7 +278,7 @@ private:
     }
 
     /// Computes where the segment is in the cell with which the traversal begins or goes on.
-    [[gnu::always_inline]] void locate_entry() noexcept {
+    [[HFH_ALWAYS_INLINED]] void locate_entry() noexcept {
         if (t == 0) { // no axis has been moved
             x.begin();
             y.begin();
@@ -288,7 +288,7 @@ private:
     }
 
     /// Where the segment leaves the current cell.
-    [[nodiscard, gnu::always_inline]] CellExit<F> next_exit() const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] CellExit<F> next_exit() const noexcept {
         CellExit<F> exit{glm::max(t, glm::min(glm::min(x.t_exit, y.t_exit), F(1))), in,
                          x.t_exit <= y.t_exit && x.t_exit <= 1, y.t_exit <= x.t_exit && y.t_exit <= 1};
         if (exit.over_x) {
@@ -305,7 +305,7 @@ private:
     }
 
     /// Goes over the line, or the vertex, into the next cell.
-    [[gnu::always_inline]] void cross(const CellExit<F>& exit) noexcept {
+    [[HFH_ALWAYS_INLINED]] void cross(const CellExit<F>& exit) noexcept {
         in = {exit.next_u(), exit.next_v()};
         if (exit.over_x) x.advance();
         if (exit.over_y) y.advance();

@@ -6,6 +6,7 @@
 #include <hfh/traversal/empty_space_skipping.hpp>
 
 #include <cmath>
+#include <type_traits>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.1. The paper takes the first candidate patch as
 // the place to start; here the first crossing itself is found, so that contact begins where the stylus met the
@@ -115,7 +116,7 @@ struct CrossingTest {
         options.begin_at; ///< the t at which the segment comes into the last cell that was looked at
 
     /// Tests the next cell; false if the search is over. Inlined, so that the span does not go through memory.
-    [[gnu::always_inline]] bool operator()(const BasicCellSpan<F>& span) noexcept {
+    [[HFH_ALWAYS_INLINED]] bool operator()(const BasicCellSpan<F>& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none; // behind a hole
         if (out_of_cells(span.t_in)) return false;
         last_begin = span.t_in;
@@ -264,10 +265,12 @@ template <HeightField Field>
     const vec2<F> length = length_in_cells<F>(field.lattice(), a, b);
     if (glm::max(length.x, length.y) < 2) {
         if (walk.enter(range, options.begin_at)) walk.visit(range, range, test);
+    } else if constexpr (small_code) {
+        walk_with_skipping(length.x >= length.y, field, range, walk, options.begin_at, a.z, b.z, test);
     } else if (length.x >= length.y) {
-        walk_with_skipping<true>(field, range, walk, options.begin_at, a.z, b.z, test);
+        walk_with_skipping(std::true_type{}, field, range, walk, options.begin_at, a.z, b.z, test);
     } else {
-        walk_with_skipping<false>(field, range, walk, options.begin_at, a.z, b.z, test);
+        walk_with_skipping(std::false_type{}, field, range, walk, options.begin_at, a.z, b.z, test);
     }
     test.finish();
     return result;
