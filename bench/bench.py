@@ -25,7 +25,8 @@ REPETITIONS = ["--benchmark_repetitions=9", "--benchmark_enable_random_interleav
                "--benchmark_display_aggregates_only=true"]
 PROGRAMS = ["proxy_tracker", "bilinear_patch", "candidate_walker", "first_hit", "closest_point", "pieces",
             "min_max_pyramid"]
-PAGES = ["accuracy.json", "accuracy.md", "accuracy.png", "closed_loop.md", "viewer.md"]  # programs write these themselves
+PAGES = ["accuracy.json", "accuracy.md", "accuracy.png", "ball.md", "ball_roughness.png", "ball_steps.png", "closed_loop.md",
+         "viewer.md"]  # programs write these themselves
 
 
 # Running.
