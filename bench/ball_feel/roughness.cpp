@@ -84,7 +84,7 @@ Cones of 0.4 mm with flanks of 45° stand on a square lattice, each moved by up 
 
 Section roughness(const Effort& effort) {
     Section section{setting, {}, true};
-    const int strokes = effort.counted(60, 6);
+    const int strokes = effort.counted(24, 4);
     std::string data, plots, band;
     std::string table =
         "| radius | gets to the floor in the middle of four … between two | peak at | off the model's curve, "
