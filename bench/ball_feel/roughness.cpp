@@ -123,7 +123,7 @@ Section roughness(const Effort& effort) {
         plots +=
             text("%s using 1:2 with linespoints lw 2 pt %d ps 1.2 lc rgb '%s' title 'r = %g mm, tracker', ",
                  block.c_str(), points_of[number], colour, radius / mm);
-        plots += text("%s using 1:3 with lines lw 2 dt (8,6) lc rgb '%s' title 'r = %g mm, model', ",
+        plots += text("%s using 1:3 with lines lw 2 dt '-' lc rgb '%s' title 'r = %g mm, model', ",
                       block.c_str(), colour, radius / mm);
         ++number;
     }
@@ -139,9 +139,9 @@ Section roughness(const Effort& effort) {
         "set ylabel 'RMS vertical speed of the centre / speed of the stroke'\n"
         "set logscale x\nset xrange [0.48:2.7]\nset yrange [0:0.8]\n"
         "set xtics (0.5, 0.6, 0.8, 1, 1.2, 1.5, 2, 2.5)\n"
-        "set key top right maxrows 3 width 1 samplen 3 spacing 1.2\n"
-        "set label 'bars: spacings at which the ball gets to the floor,' at graph 0.985, graph 0.085 right\n"
-        "set label 'in the middle of four cones … between any two' at graph 0.985, graph 0.045 right\n"
+        "set key top right maxrows 2 width 1 samplen 3 spacing 1.2\n"
+        "set label 'bars: spacings at which the ball gets to the floor,' at graph 0.015, graph 0.205 left\n"
+        "set label 'in the middle of four cones … between any two' at graph 0.015, graph 0.165 left\n"
         "plot " +
         plots + "\n";
     return section;
