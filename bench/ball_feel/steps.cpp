@@ -203,7 +203,7 @@ constexpr const char* notes =
     R"(
 Goal: from one radius to the next the mean does not rise by more than 1 % and two standard errors of the paths' differences. It falls where the ball bridges what is narrower than itself, and stays where it follows the same faces: that a normal turns by an angle over a fold of the ground is the same for every tip, only spread over more updates.
 
-*kinect_boxes* is without a goal: a depth image, a third of it walls. Half a cell deep its steps shrink like the others'. Three cells deep they grow, and not by a fault of the tracker: a wall of one sample stands 2r wider against a ball, and as long as a tip below its top is held by its face, each update's whole way goes into the force, a ratio of 1. So a wall 10 cells high and alone on flat ground, 3 cells deep, gives)";
+*kinect_boxes* is without a goal: a depth image of cliffs, with slopes of 39° in the mean and 82° at 99 %. Half a cell deep its steps shrink like the others'. Three cells deep they grow, and not by a fault of the tracker: a wall of one sample stands 2r wider against a ball, and as long as a tip below its top is held by its face, each update's whole way goes into the force, a ratio of 1. So a wall 10 cells high and alone on flat ground, 3 cells deep, gives the four tips means of)";
 
 constexpr const char* second_path =
     R"(The same hand for all, with the lowest point of each tip 0.5 and 3 cells below the ground under its middle: the means. Here they do rise where the hand is shallow. On a slope θ it is a ball's side that touches, and the ball is depth·cos θ + r·(1 − cos θ) deep: on slopes the hand presses a ball harder than a point, and the force changes with the slope.
