@@ -30,13 +30,6 @@ struct Effort {
     }
 };
 
-/// A table's row.
-[[nodiscard]] inline std::string line(const auto& cells) {
-    std::string out = "|";
-    for (const auto& cell : cells) out += " " + cell + " |";
-    return out + "\n";
-}
-
 // Colours that eyes without red or green tell apart: Okabe and Ito, Color Universal Design (2008).
 inline constexpr const char* black = "#000000";
 inline constexpr const char* vermilion = "#d55e00";

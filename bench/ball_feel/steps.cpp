@@ -270,59 +270,77 @@ constexpr const char* second_path =
            steps + "\nunset multiplot\n";
 }
 
-[[nodiscard]] std::string heading(const char* first) {
-    return text("| %s | deep | r = 0 | 0.5 | 1 | 2 | |\n|---|--:|--:|--:|--:|--:|---|\n", first);
+/// What the tips feel on some ground, equally deep.
+struct Compared {
+    std::vector<std::string> cells; ///< a radius
+    std::vector<std::string> means; ///< a radius, with the lowest point of each tip on one path
+    bool is_met = true;
+};
+
+using Paths = std::vector<Path>;
+
+[[nodiscard]] Compared compare(const Led& led, const Paths& paths,
+                               const std::array<Paths, radii.size()>& let_down, double deep) {
+    Compared found;
+    std::vector<double> before;
+    for (std::size_t n = 0; n < radii.size(); ++n) {
+        const double radius = radii[n] * cell;
+        Felt felt, lowest;
+        for (std::size_t k = 0; k < paths.size(); ++k) {
+            const Path& path = let_down[n][k];
+            follow(led.grid(), radius, path[0], path, deep, felt);
+            Path raised = paths[k];
+            for (auto& at : raised) at.z += radius;
+            follow(led.grid(), radius, path[0], raised, deep, lowest);
+        }
+        const auto by_path = means_of_paths(felt.ratios);
+        found.is_met =
+            found.is_met && felt.without_contact == 0 && (n == 0 || does_not_rise(before, by_path));
+        before = by_path;
+        std::sort(felt.ratios.begin(), felt.ratios.end());
+        const auto at_99 = static_cast<std::size_t>(0.99 * static_cast<double>(felt.ratios.size() - 1));
+        found.cells.push_back(
+            text("%.3f, %.2f, %.1f", mean(felt.ratios), felt.ratios[at_99], felt.ratios.back()));
+        if (felt.without_contact > 0)
+            found.cells.back() += text(" (%ld without contact)", felt.without_contact);
+        found.means.push_back(text("%.3f", mean(lowest.ratios)));
+    }
+    return found;
 }
+
+[[nodiscard]] std::string row(const std::string& ground, double deep, const std::vector<std::string>& cells,
+                              const char* verdict) {
+    std::string out = "| " + ground + text(" | %g |", deep);
+    for (const auto& cell : cells) out += " " + cell + " |";
+    return out + " " + verdict + " |\n";
+}
+
+constexpr const char* heading = "| ground | deep | r = 0 | 0.5 | 1 | 2 | |\n|---|--:|--:|--:|--:|--:|---|\n";
 
 } // namespace
 
 Section force_steps(const Effort& effort) {
     Section section{setting, {}, true};
-    std::string missing, skipped, table = heading("ground"), second = heading("ground");
+    std::string missing, skipped, table = heading, second = heading;
     const int wanted = effort.counted(40, 5);
     for (const Ground& ground : grounds(missing)) {
         Led led{ground};
-        const auto paths = led.paths(wanted);
+        const Paths paths = led.paths(wanted);
         if (static_cast<int>(paths.size()) < wanted) {
             skipped += (skipped.empty() ? "" : ", ") + ground.name;
             continue;
         }
         if (ground.name == "Spanish Peaks at 10 m") section.plot = plot(led, paths[0]);
-        const bool has_goal = ground.name != "kinect_boxes";
-        std::array<std::vector<Path>, radii.size()> let_down;
+        std::array<Paths, radii.size()> let_down;
         for (std::size_t n = 0; n < radii.size(); ++n) {
             for (const Path& path : paths) let_down[n].push_back(led.let_down(path, radii[n] * cell));
         }
+        const bool has_goal = ground.name != "kinect_boxes";
         for (const double deep : depths) {
-            std::vector<std::string> row{ground.name, text("%g", deep)}, of_lowest = row;
-            std::vector<double> before;
-            bool is_met = true;
-            for (std::size_t n = 0; n < radii.size(); ++n) {
-                Felt felt, lowest;
-                for (std::size_t k = 0; k < paths.size(); ++k) {
-                    const double radius = radii[n] * cell;
-                    follow(led.grid(), radius, let_down[n][k][0], let_down[n][k], deep * cell, felt);
-                    Path raised = paths[k];
-                    for (auto& at : raised) at.z += radius;
-                    follow(led.grid(), radius, let_down[n][k][0], raised, deep * cell, lowest);
-                }
-                const auto by_path = means_of_paths(felt.ratios);
-                is_met = is_met && felt.without_contact == 0 && (n == 0 || does_not_rise(before, by_path));
-                before = by_path;
-                std::sort(felt.ratios.begin(), felt.ratios.end());
-                const auto at_99 =
-                    static_cast<std::size_t>(0.99 * static_cast<double>(felt.ratios.size() - 1));
-                row.push_back(
-                    text("%.3f, %.2f, %.1f", mean(felt.ratios), felt.ratios[at_99], felt.ratios.back()));
-                of_lowest.push_back(text("%.3f", mean(lowest.ratios)));
-                if (felt.without_contact > 0)
-                    row.back() += text(" (%ld without contact)", felt.without_contact);
-            }
-            row.push_back(!has_goal ? "" : is_met ? "met" : "not met");
-            section.is_met = section.is_met && (is_met || !has_goal);
-            table += line(row);
-            of_lowest.emplace_back();
-            if (deep < 5) second += line(of_lowest);
+            const Compared found = compare(led, paths, let_down, deep * cell);
+            section.is_met = section.is_met && (found.is_met || !has_goal);
+            table += row(ground.name, deep, found.cells, !has_goal ? "" : found.is_met ? "met" : "not met");
+            if (deep < 5) second += row(ground.name, deep, found.means, "");
         }
     }
     if (!missing.empty())
