@@ -311,7 +311,7 @@ using Paths = std::vector<Path>;
 [[nodiscard]] std::string row(const std::string& ground, double deep, const std::vector<std::string>& cells,
                               const char* verdict) {
     std::string out = "| " + ground + text(" | %g |", deep);
-    for (const auto& cell : cells) out += " " + cell + " |";
+    for (const auto& figures : cells) out += " " + figures + " |";
     return out + " " + verdict + " |\n";
 }
 
