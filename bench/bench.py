@@ -25,7 +25,10 @@ REPETITIONS = ["--benchmark_repetitions=9", "--benchmark_enable_random_interleav
                "--benchmark_display_aggregates_only=true"]
 PROGRAMS = ["proxy_tracker", "bilinear_patch", "candidate_walker", "first_hit", "closest_point", "pieces",
             "min_max_pyramid"]
-PAGES = ["accuracy.json", "accuracy.md", "accuracy.png", "closed_loop.md", "viewer.md"]  # programs write these themselves
+# {what a program writes itself: the target that runs it}
+PAGES = {"accuracy.json": "accuracy", "accuracy.md": "accuracy", "accuracy.png": "accuracy",
+         "ball.md": "ball_feel", "ball_roughness.png": "ball_feel", "ball_steps.png": "ball_feel",
+         "closed_loop.md": "closed_loop", "viewer.md": "viewer_figures"}
 
 
 # Running.
@@ -532,12 +535,12 @@ def record(directory, results):
         print("written: benchmarks.json,", ", ".join(benchmark_pages(found)))
     if missing := [program for program in PROGRAMS if not (directory / f"{program}.json").exists()]:
         print(f"not measured: {', '.join(missing)}; the target bench_full does it")
-    for page in PAGES:
+    for page, target in PAGES.items():
         if (directory / page).exists():
             shutil.copyfile(directory / page, results / page)
             print(f"written: {page}")
         else:
-            print(f"as it was: {page}; the target {page.split('.')[0]} measures it")
+            print(f"as it was: {page}; the target {target} measures it")
     return fine
 
 

@@ -3,6 +3,8 @@
 #include "report.hpp"
 #include "text.hpp"
 
+#include "../gnuplot.hpp"
+
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -39,7 +41,8 @@ int run(const std::string& directory, std::size_t queries, int rounds) {
     const std::string stem = directory + "/accuracy";
     write(stem + ".json", json(run));
     write(stem + ".md", markdown(run));
-    if (!run_gnuplot(plot_script(run, stem + ".png"))) std::puts("No plot: gnuplot is missing or failed.");
+    if (!hfh::bench::run_gnuplot(plot_script(run, stem + ".png")))
+        std::puts("No plot: gnuplot is missing or failed.");
     return EXIT_SUCCESS;
 }
 

@@ -3,7 +3,6 @@
 #include "text.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <iterator>
 
 namespace accuracy {
@@ -152,13 +151,6 @@ std::string plot_script(const Run& run, const std::string& file) {
         if (set.scalar == "double") out += panel(set, number++);
     }
     return out + key() + "unset multiplot\n";
-}
-
-bool run_gnuplot(const std::string& script) {
-    std::FILE* const pipe = ::popen("gnuplot", "w");
-    if (!pipe) return false;
-    const bool written = std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
-    return ::pclose(pipe) == 0 && written;
 }
 
 } // namespace accuracy

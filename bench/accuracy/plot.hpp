@@ -10,9 +10,6 @@ namespace accuracy {
 /// A gnuplot script that draws `file`: a panel a set in double, time across, distance error up.
 [[nodiscard]] std::string plot_script(const Run& run, const std::string& file);
 
-/// False if there is no gnuplot or it fails.
-[[nodiscard]] bool run_gnuplot(const std::string& script);
-
 } // namespace accuracy
 
 #endif // HFH_BENCH_ACCURACY_PLOT_HPP

@@ -22,15 +22,16 @@ ALLOWED = 3.0  # percent
 
 
 def about(program):
-    """Who built the program, how many updates a trace has, and the names of the traces."""
-    said = {"trace": []}
+    """Who built the program, and {trace: how many updates it has}."""
+    said = {"trace": {}}
     for line in subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines():
         key, value = line.split(" ", 1)
         if key == "trace":
-            said["trace"].append(value)
+            name, updates = value.split(" ")
+            said["trace"][name] = int(updates)
         else:
             said[key] = value
-    return f"{said['compiler'].strip()}, {said['flags']}", int(said["updates"]), said["trace"]
+    return f"{said['compiler'].strip()}, {said['flags']}", said["trace"]
 
 
 def instructions(profile):
@@ -72,9 +73,9 @@ def measure(program):
     """Who built the program, {trace: instructions an update}, and lines about what ran outside the program."""
     if shutil.which("valgrind") is None:
         sys.exit("cost: valgrind is not installed, and it is what counts instructions (package valgrind).")
-    build, updates, traces = about(program)
+    build, traces = about(program)
     figures, notes = {}, []
-    for trace in traces:
+    for trace, updates in traces.items():
         counts = count(program, trace)
         total = sum(counts.values())
         figures[trace] = round(total / updates, 1)

@@ -20,6 +20,15 @@ using hfh::cost::Ground;
 using hfh::cost::Trace;
 using hfh::cost::TraceKind;
 
+/// Valgrind 3.19 does not know an instruction that Clang 14 moves a double by in a ball's update (vmovq, as D6).
+[[nodiscard]] constexpr bool can_be_counted([[maybe_unused]] const TraceKind& kind) noexcept {
+#if defined(__clang__)
+    return kind.doing != hfh::cost::Doing::rolling;
+#else
+    return true;
+#endif
+}
+
 } // namespace
 
 [[gnu::noinline]] void hfh_cost_replay_double(const Grid<double>& grid, const Trace<double>& trace,
@@ -41,6 +50,8 @@ bool run(const TraceKind& kind) {
     hfh::cost::Felt felt;
     if (kind.in_float) {
         hfh_cost_replay_float(ground.grid<float>(), hfh::cost::make_trace<float>(ground, kind), felt);
+    } else if (kind.doing == hfh::cost::Doing::rolling) {
+        felt = hfh::cost::roll_ball(ground, kind);
     } else {
         const auto trace = hfh::cost::make_trace<double>(ground, kind);
         const auto grid = ground.grid<double>();
@@ -51,7 +62,7 @@ bool run(const TraceKind& kind) {
         else
             hfh_cost_replay_double(grid, trace, felt);
     }
-    const std::size_t wanted = kind.doing == hfh::cost::Doing::flying ? 0 : hfh::cost::updates_a_trace;
+    const std::size_t wanted = kind.doing == hfh::cost::Doing::flying ? 0 : updates_of(kind);
     if (felt.contacts != wanted || (felt.work > 0) != (wanted > 0)) {
         std::fprintf(stderr, "%s: %zu updates in contact, but must be %zu\n", kind.name.data(), felt.contacts,
                      wanted);
@@ -64,9 +75,10 @@ bool run(const TraceKind& kind) {
 
 int main(int argc, char** argv) {
     if (argc == 1) {
-        std::printf("compiler %s\nflags %s\nupdates %zu\n", compiler, HFH_COST_FLAGS,
-                    hfh::cost::updates_a_trace);
-        for (const TraceKind& kind : hfh::cost::all_traces) std::printf("trace %s\n", kind.name.data());
+        std::printf("compiler %s\nflags %s\n", compiler, HFH_COST_FLAGS);
+        for (const TraceKind& kind : hfh::cost::all_traces) {
+            if (can_be_counted(kind)) std::printf("trace %s %zu\n", kind.name.data(), updates_of(kind));
+        }
         return 0;
     }
     for (const TraceKind& kind : hfh::cost::all_traces) {

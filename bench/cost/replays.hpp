@@ -8,6 +8,9 @@ namespace hfh::cost {
 template <Real T>
 using Grid = BilinearGrid<T, HeightView<std::int16_t>>;
 
+/// Makes the trace of a ball and replays it, counted as the others are.
+[[nodiscard]] Felt roll_ball(const Ground& ground, const TraceKind& kind);
+
 } // namespace hfh::cost
 
 // Counting is switched on where these begin and off where they end, by the pattern hfh_cost_replay_*: set-up is out of it.

@@ -11,10 +11,11 @@
 
 namespace hfh::cost {
 
-enum class Doing { flying, touching_down, sliding, resting, casting };
+enum class Doing { flying, touching_down, sliding, resting, casting, rolling };
 
 /// A scene, and what the stylus does. In contact it is half a cell below the ground, in free flight 20 cells above it. But for
-/// friction no optional piece of the library takes part, and these must never come to cost the other scenes anything.
+/// friction and a ball no optional piece of the library takes part, and these must never come to cost the other scenes
+/// anything.
 struct TraceKind {
     std::string_view name;
     Doing doing;
@@ -26,7 +27,7 @@ struct TraceKind {
 };
 
 // clang-format off
-inline constexpr std::array<TraceKind, 10> all_traces{{
+inline constexpr std::array<TraceKind, 12> all_traces{{
     {"free",                 Doing::flying,        0.5,  60},
     {"first_contact",        Doing::touching_down, 0.5,  60},
     {"slide_0.5_gentle",     Doing::sliding,       0.5,  60},
@@ -37,6 +38,8 @@ inline constexpr std::array<TraceKind, 10> all_traces{{
     {"slide_2_steep_limited", Doing::sliding,      2,   600, false, false, {.max_contact_patches = 8}},
     {"slide_0.5_sheet",      Doing::sliding,       0.5,  60, false, false, {.surface = SurfaceKind::sheet}},
     {"cast_300",             Doing::casting,       300,  60},
+    {"ball_0.5_gentle",      Doing::rolling,       0.5,  60},
+    {"ball_2_steep_limited", Doing::rolling,       2,   600, false, false, {.max_contact_patches = 8}},
 }};
 // clang-format on
 
@@ -51,6 +54,12 @@ struct Trace {
 };
 
 inline constexpr std::size_t updates_a_trace = 20'000;
+/// A ball's update takes up to forty times as many instructions as a point's.
+inline constexpr std::size_t updates_of_a_ball = 2'000;
+
+[[nodiscard]] constexpr std::size_t updates_of(const TraceKind& kind) noexcept {
+    return kind.doing == Doing::rolling ? updates_of_a_ball : updates_a_trace;
+}
 
 /// From five cells above the highest ground, `cells` away along the longer way over the grid, to ten cells below the ground.
 template <Real T>
@@ -115,7 +124,8 @@ template <Real T>
             }
             trace.stylus.push_back(over(path[k - k % trace.run], -0.5));
             break;
-        case Doing::casting: break;
+        case Doing::casting:
+        case Doing::rolling: break;
         }
     }
     return trace;
