@@ -74,6 +74,13 @@ template <Real T = double>
     return turned / at.distance;
 }
 
+/// How far a ball goes at most, before the next look, where nothing is near.
+template <HeightField Field>
+[[nodiscard]] double longest_margin(const Field& field) noexcept {
+    const glm::dvec2 spacing = field.lattice().spacing();
+    return 4 * glm::min(spacing.x, spacing.y);
+}
+
 /// The obstacles around a centre, as far as the ball may go before the next look.
 ///
 /// A local closest point on the border of its patch need not be one of the surface: where the distance falls on into a
@@ -103,7 +110,7 @@ public:
         for (const BallObstacle& obstacle : *this) smallest = glm::min(smallest, obstacle.gap);
         return smallest;
     }
-    /// The smallest gap to a patch that is bent, so that its half-space does not tell all on a way as long as the margin; margin()
+    /// The smallest gap to a patch that is bent, so that its half-space does not tell all on a way as long as the margin, or `longest_margin`; margin()
     /// where there is none.
     [[nodiscard]] double smallest_bent_gap() const noexcept { return glm::min(bent_gap_, margin_); }
     /// Unit, from the point of an obstacle to the centre: that of a plane is its own.
@@ -172,10 +179,12 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     margin_ = margin;
     bent_gap_ = margin;
     const glm::dvec2 spacing = field_->lattice().spacing();
-    const double least_twist = margin > 0 ? 5e-10 * radius / (margin * margin) * spacing.x * spacing.y : 0;
+    const double longest = glm::max(margin, longest_margin(*field_));
+    const double least_twist = 5e-10 * radius / (longest * longest) * spacing.x * spacing.y;
     if (field_->cells().empty()) return true;
     const auto reach_squared = [this] { return (radius_ + margin_) * (radius_ + margin_); };
-    ReachSearch<Field> search{*field_, centre, reach_squared(), work};
+    // The cell under the centre counts as well: looks that meet no other come to an end.
+    ReachSearch<Field> search{*field_, centre, reach_squared(), work - 1};
     const auto look_at = [&](Cell cell, const RelativePatch& patch) {
         const glm::dvec3 middle = patch.middle();
         const double beyond = patch.least_along(middle);
@@ -193,7 +202,7 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     RelativePatch under;
     if (search.read(search.base(), under) && under.box_squared() < search.reach_squared())
         look_at(search.base(), under);
-    const bool ran = !search.reaches_out() || search.run(look_at);
+    const bool ran = work > 0 && (!search.reaches_out() || search.run(look_at));
     work = search.work_left();
     if (!ran) count_ = 0, margin_ = 0;
     return ran;

@@ -62,17 +62,19 @@ class SweptBall {
 public:
     SweptBall(const Field& field, const glm::dvec3& from, const glm::dvec3& to, double radius,
               Index max_work) noexcept
-        : from_{from}, way_{to - from}, radius_{radius},
-          margin_{glm::min(widest_margin(field, radius), glm::length(way_))}, work_{max_work}, around_{
-                                                                                                   field} {}
+        : from_{from}, way_{to - from}, radius_{radius}, least_margin_{glm::min(widest_margin(field, radius),
+                                                                                glm::length(way_))},
+          most_margin_{glm::max(least_margin_, longest_margin(field))}, margin_{least_margin_},
+          work_{max_work}, around_{field} {}
 
     [[nodiscard]] Index work_left() const noexcept { return work_; }
     [[nodiscard]] double t() const noexcept { return t_; }
     [[nodiscard]] bool overlaps() const noexcept { return around_.smallest_gap() < -touching(); }
-    /// False if that is too much work; t stays then.
+    /// False if that is too much work; t stays then. Where nothing is near, the next look goes twice as far.
     [[nodiscard]] bool look_at(double t) noexcept {
         if (!around_.look(from_ + t * way_, radius_, margin_, work_)) return false;
         t_ = t;
+        margin_ = around_.size() == 0 ? glm::min(2 * margin_, most_margin_) : least_margin_;
         return true;
     }
     /// The nearest of the obstacles that the ball touches and goes against.
@@ -125,7 +127,7 @@ private:
     }
 
     glm::dvec3 from_, way_;
-    double radius_, margin_, t_ = 0;
+    double radius_, least_margin_, most_margin_, margin_, t_ = 0; // metres; t: 0 to 1
     Index work_;
     BallObstacles<Field> around_;
 };
