@@ -2,6 +2,7 @@
 #include "support/allocations.hpp"
 #include "support/ball_strokes.hpp"
 #include "support/ball_sweeps.hpp"
+#include "support/counting_field.hpp"
 
 #include <hfh/contact/ball_tracker.hpp>
 
@@ -430,6 +431,33 @@ TEST_CASE("ball tracker: raised ground lifts it, and on lowered ground it sinks"
     for (Index j = 0; j < 20; ++j) ball.terrain.at(14, j) = -9;
     ball.changed();
     CHECK(ball.update({13.5, 10.2, -8}).touching());
+}
+
+TEST_CASE("ball tracker: ground raised by a ten-millionth of the radius under a free ball is felt",
+          "[ball]") {
+    Ball ball{plane<double>(24, 20, 0), 1};
+    (void)ball.update({12.3, 10.4, 5});
+    (void)ball.update({12.3, 10.4, 1 + 1e-12});
+    for (double& height : ball.terrain.heights) height = 1e-7;
+    ball.changed();
+    CHECK(ball.update({12.3, 10.4, 1 + 1e-12}).status == ContactStatus::contact);
+}
+
+TEST_CASE("ball tracker: a lift along ground of any height comes to an end", "[ball]") {
+    // Beside the corner of the grid, where no other cell is near.
+    for (const double height : {1e4, 1e7, 1e9}) {
+        INFO(height);
+        auto ground = plane<double>(24, 20, 0);
+        const auto grid = ground.grid();
+        const CountingField counting{grid};
+        BallTracker ball{counting, 0.5};
+        (void)ball.update({-0.3, -0.3, 2});
+        (void)ball.update({-0.3, -0.3, 0.2});
+        ground.at(0, 0) = height;
+        const long before = counting.looks();
+        (void)ball.update({-0.3, -0.3, 0.2});
+        CHECK(counting.looks() - before < 1'000'000);
+    }
 }
 
 TEST_CASE("ball tracker: the radius changes while it touches", "[ball]") {

@@ -67,7 +67,8 @@ public:
     [[nodiscard]] bool is_on_rims_alone() const noexcept;
     /// Whether the surface was raised under the ball, so that they overlap.
     [[nodiscard]] bool overlaps() const noexcept {
-        return is_on_wrong_side(centre_) || around().smallest_gap() < -1e-6 * ball_.radius;
+        return is_on_wrong_side(centre_) ||
+               around().smallest_gap() < -5e-10 * ball_.radius - 4 * rounding_at(centre_);
     }
     /// Lifts the ball (felt from below: lowers it) until it is clear. False where it cannot, or that is too much work.
     [[nodiscard]] bool lift() noexcept;
