@@ -72,6 +72,8 @@ template struct TrackerState<float>;
 template struct TrackerState<double>;
 template class Workspace<float>;
 template class Workspace<double>;
+template class Workspace<float, float>;
+template class BasicForceGuard<float>;
 template class TripleBuffer<TrackerState<float>>;
 template class TripleBuffer<DeviceSample>;
 

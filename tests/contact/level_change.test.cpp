@@ -247,7 +247,7 @@ TEMPLATE_TEST_CASE("change_level: a stylus that flies on meets no ground that ro
         (void)change_level(field, 1, tracker);
         REQUIRE(tracker.update({T(4.5), T(5.5), T(1)}).status == ContactStatus::free);
         CHECK(change_level(field, 0, tracker) == 100);
-        CHECK(tracker.state().swept_to == glm::dvec3{4.5, 5.5, 101}); // what was searched to moves along
+        CHECK(tracker.state().swept_to() == glm::dvec3{4.5, 5.5, 101}); // what was searched to moves along
         CHECK(tracker.update({T(14.5), T(5.5), T(101)}).status == ContactStatus::free);
         CHECK(change_level(field, 1, tracker) == -100);
         CHECK(tracker.update({T(4.5), T(15.5), T(1)}).status == ContactStatus::free);

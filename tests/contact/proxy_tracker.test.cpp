@@ -826,7 +826,7 @@ TEMPLATE_TEST_CASE(
     CHECK(tracker.update({T(121.5), T(5.5), T(12)}).status == ContactStatus::sweep_limit);
     // Or back to where the search has come.
     CHECK(tracker.state().phase == TrackerPhase::searching);
-    const vec3<T> come{tracker.state().swept_to};
+    const vec3<T> come{tracker.state().swept_to()};
     CHECK(tracker.update(come + vec3<T>{T(0), T(0), T(1)}).status == ContactStatus::free);
     CHECK_FALSE(tracker.state().phase == TrackerPhase::searching);
 }
@@ -949,7 +949,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: a proxy that is released far from its next min
     SECTION("a stylus that moves lets it slide two patches farther for each cell, whichever way") {
         for (const glm::dvec3& way : {glm::dvec3{20, 0, 0}, {-20, 0, 0}, {0, 20, 0}, {0, -20, 0}}) {
             auto state = held.state();
-            state.swept_to = glm::dvec3{stylus} - way;
+            state.stylus = glm::dvec3{stylus} - way;
             auto tracker = held;
             tracker.restore(state);
             const auto c = tracker.update(stylus);
@@ -980,7 +980,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: a sheet felt from below is pressed on the way 
 
     auto state = over.state();
     state.side = Side::below;
-    state.swept_to.z = -state.swept_to.z;
+    state.stylus.z = -state.stylus.z;
     ProxyTracker under{below,
                        {.surface = SurfaceKind::sheet, .max_contact_patches = brisk.max_contact_patches}};
     under.restore(state);
@@ -1006,7 +1006,7 @@ TEMPLATE_TEST_CASE("ProxyTracker: a ridge holds a stylus in the open while its p
     typename ProxyTracker<typename Terrain<T>::Grid>::State state;
     state.phase = TrackerPhase::contact;
     state.side = Side::above;
-    state.swept_to = vec3<PlaceScalar<T>>{stylus};
+    state.stylus = vec3<PlaceScalar<T>>{stylus};
     state.proxy = {{11, 3}, T(0.5), T(0.5)};
     ProxyTracker tracker{grid, {.max_contact_patches = 4}};
     tracker.restore(state);
@@ -1033,7 +1033,7 @@ TEMPLATE_TEST_CASE(
     typename ProxyTracker<typename Terrain<T>::Grid>::State state;
     state.phase = TrackerPhase::contact;
     state.side = Side::above;
-    state.swept_to = {105.5, 4.25, 100};
+    state.stylus = {105.5, 4.25, 100};
     state.proxy = {{5, 4}, T(0.5), T(0.25)};
     ProxyTracker tracker{grid, brisk};
     tracker.restore(state);
@@ -1206,7 +1206,7 @@ TEST_CASE("ProxyTracker: sweeps to the float position that it was given, not to 
         const volatile float x = static_cast<float>(at.x), y = static_cast<float>(at.y),
                              z = static_cast<float>(at.z);
         const glm::dvec3 given{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        CHECK(glm::dvec3{tracker.state().swept_to} == given);
+        CHECK(glm::dvec3{tracker.state().swept_to()} == given);
     }
 }
 

@@ -1,8 +1,7 @@
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/guard_oracle.hpp"
-
-#include <hfh/device/force_guard.hpp>
+#include "support/guards.hpp"
 
 #include <cmath>
 #include <set>
@@ -34,7 +33,7 @@ struct Bench {
     }
     unsigned trips(GuardTrip trip) const { return guard.counts().trips[static_cast<int>(trip)]; }
 
-    ForceGuard guard;
+    Guard guard;
     DeviceSample sample{.time = 100};
     glm::dvec3 asked{0, 0, 2};
 };
@@ -106,7 +105,8 @@ TEST_CASE("ForceGuard: the force changes by no more than the slew times the time
     CHECK(result.newtons.z == Approx(0.75));
     CHECK(bench.step(12).newtons.z == Approx(-2));
     CHECK_FALSE(bench.step().slewed);
-    CHECK(bench.guard.counts().slewed == 12);
+    // In float the last of these steps may end a rounding before -2.
+    CHECK(bench.guard.counts().slewed - 12 <= (std::same_as<GuardScalar, float> ? 1u : 0u));
 }
 
 TEST_CASE("ForceGuard: a force that is no number is zero at once, though the slew is slow", "[force_guard]") {
@@ -128,14 +128,17 @@ TEST_CASE("ForceGuard: a force that is no number is zero at once, though the sle
     }
 }
 
-TEST_CASE("ForceGuard: a force below 2^64 N is a number, and shortened, one of 2^64 N is none",
-          "[force_guard]") {
+TEST_CASE(
+    "ForceGuard: a force below 2^64 N is a number, and shortened, one of 2^64 N is none; in float 2^32 N",
+    "[force_guard]") {
     auto bench = warm({.max_sudden = 4});
-    bench.asked.z = std::nextafter(0x1p64, 0.0);
+    constexpr GuardScalar least =
+        std::same_as<GuardScalar, float> ? GuardScalar(0x1p32) : GuardScalar(0x1p64);
+    bench.asked.z = widen(std::nextafter(least, GuardScalar(0)));
     const auto result = bench.step(10);
     CHECK(result.trip == GuardTrip::none);
     CHECK(result.newtons.z == Approx(3.3));
-    bench.asked.z = 0x1p64;
+    bench.asked.z = widen(least);
     CHECK(bench.step().trip == GuardTrip::bad_force);
 }
 
@@ -175,13 +178,13 @@ TEST_CASE("ForceGuard: a gap in time, or time that falls far, is stale", "[force
 }
 
 TEST_CASE("ForceGuard: a gap is judged to the rounding of the stamps", "[force_guard]") {
-    ForceGuard dyadic{{.max_gap = 0.25}};
+    Guard dyadic{{.max_gap = 0.25}};
     CHECK(dyadic.update({.time = 1}, {}).trip == GuardTrip::none);
     CHECK(dyadic.update({.time = 1.25}, {}).trip == GuardTrip::none);
     CHECK(dyadic.update({.time = std::nextafter(1.5, 2.0)}, {}).trip == GuardTrip::none);
-    CHECK(dyadic.update({.time = 1.75 + 5 * 0x1p-52}, {}).trip == GuardTrip::stale);
+    CHECK(dyadic.update({.time = 1.75 + guard_rounding(5 * 0x1p-52, 2)}, {}).trip == GuardTrip::stale);
     // A true 100 Hz device, its stamps multiplied or added up.
-    ForceGuard product{{.max_gap = 0.01}}, sum{{.max_gap = 0.01}};
+    Guard product{{.max_gap = 0.01}}, sum{{.max_gap = 0.01}};
     double added = 0;
     for (int n = 0; n < 2000; ++n, added += 0.01) {
         (void)product.update({.time = n * 0.01}, {});
@@ -357,12 +360,14 @@ TEST_CASE("ForceGuard: keeps its word on everything that can go wrong at once", 
           GuardLimits{.max_slew = 0.1, .ramp = 0, .max_repeats = 0},
           GuardLimits{.max_force = 1e-3, .max_slew = 50, .ramp = 0.01, .max_still = 0.003},
           GuardLimits{.ramp = 0.02, .max_repeats = 2, .max_speed = 3, .max_step = 0, .latch = true}}) {
-        ForceGuard guard{limits};
-        GuardJudge judge{limits};
+        Guard guard{limits};
+        GuardJudge judge{as_seen(limits)};
         NastyStream stream{static_cast<std::uint64_t>(calm), calm};
         int felt = 0, with_force = 0;
         for (int n = 0; n < 20000; ++n) {
             auto update = stream.next();
+            update.sample = as_seen(update.sample);
+            update.asked = as_seen(update.asked);
             if (update.rearmed) guard.rearm();
             update.result = guard.update(update.sample, update.asked, update.buried);
             const char* broken = judge(update);
@@ -383,9 +388,9 @@ TEST_CASE("ForceGuard: keeps its word on everything that can go wrong at once", 
 }
 
 TEST_CASE("ForceGuard: neither throws nor allocates, and is plain bytes", "[force_guard]") {
-    static_assert(noexcept(std::declval<ForceGuard&>().update(std::declval<const DeviceSample&>(),
-                                                              std::declval<const glm::dvec3&>())));
-    static_assert(std::is_trivially_copyable_v<ForceGuard>);
+    static_assert(noexcept(std::declval<Guard&>().update(std::declval<const DeviceSample&>(),
+                                                         std::declval<const glm::dvec3&>())));
+    static_assert(std::is_trivially_copyable_v<Guard>);
     Bench bench;
     const auto before = allocations();
     bench.step(1000);

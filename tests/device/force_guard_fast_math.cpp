@@ -3,8 +3,7 @@
 
 #include "support/edited_touch.hpp"
 #include "support/guard_oracle.hpp"
-
-#include <hfh/device/force_guard.hpp>
+#include "support/guards.hpp"
 
 #include <cstdio>
 #include <cstring>
@@ -29,7 +28,7 @@ struct Named {
 
 /// A guard in full force, with 2 N asked for.
 struct Scene {
-    ForceGuard guard{{.max_slew = 0.01}};
+    Guard guard{{.max_slew = 0.01}};
     DeviceSample sample{.time = 5};
     glm::dvec3 asked{0, 0, 2};
 
@@ -82,7 +81,7 @@ void check_numbers_that_are_none(const Named& bad) {
           &GuardLimits::max_sudden, &GuardLimits::period}) {
         GuardLimits limits;
         limits.*limit = bad.value;
-        ForceGuard guard{limits};
+        Guard guard{limits};
         check(guard.update({.time = 1}, {0, 0, 1}).trip == GuardTrip::bad_limits, "a bad limit trips",
               bad.name);
     }
@@ -106,11 +105,13 @@ void check_denormals() {
 void check_everything_at_once() {
     for (const int calm : {3, 20, 400}) {
         const GuardLimits limits{.ramp = 0.05, .max_repeats = 3, .max_still = 0.003};
-        ForceGuard guard{limits};
-        GuardJudge judge{limits};
+        Guard guard{limits};
+        GuardJudge judge{as_seen(limits)};
         NastyStream stream{99, calm};
         for (int n = 0; n < 20000; ++n) {
             auto update = stream.next();
+            update.sample = as_seen(update.sample);
+            update.asked = as_seen(update.asked);
             update.result = guard.update(update.sample, update.asked, update.buried);
             const char* broken = judge(update);
             check(broken == nullptr, broken == nullptr ? "" : broken, "everything at once");

@@ -1,11 +1,11 @@
 #include "catch.hpp"
 #include "support/guard_oracle.hpp"
+#include "support/guards.hpp"
 #include "support/terrains.hpp"
 
 #include <hfh/contact/force_shading.hpp>
 #include <hfh/contact/friction.hpp>
 #include <hfh/contact/proxy_tracker.hpp>
-#include <hfh/device/force_guard.hpp>
 #include <hfh/device/workspace.hpp>
 #include <hfh/force/energy_tank.hpp>
 #include <hfh/force/force_evaluator.hpp>
@@ -22,7 +22,7 @@ using namespace hfh::test;
 
 namespace {
 
-unsigned trips(const ForceGuard& guard) {
+unsigned trips(const Guard& guard) {
     unsigned all = 0;
     for (const unsigned times : guard.counts().trips) all += times;
     return all;
@@ -79,7 +79,7 @@ private:
 };
 
 /// Tells the guard what the motors got: in the next sample, or by a call.
-void tell(ForceGuard& guard, DeviceSample& sample, const Motors& motors, const glm::dvec3& newtons,
+void tell(Guard& guard, DeviceSample& sample, const Motors& motors, const glm::dvec3& newtons,
           bool in_sample) {
     if (in_sample) {
         sample.has_sent = true;
@@ -94,7 +94,7 @@ void tell(ForceGuard& guard, DeviceSample& sample, const Motors& motors, const g
 /// and a scene that change at random, calibrations and lost updates, and a link that shortens forces.
 std::pair<double, double> run_motors(double max_slew, bool in_sample, std::uint64_t seed) {
     const GuardLimits limits{.max_slew = max_slew, .ramp = 0.01, .max_sudden = 4};
-    ForceGuard guard{limits};
+    Guard guard{limits};
     Motors motors{max_slew};
     Link link{seed};
     Random random{seed + 1000};
@@ -137,7 +137,7 @@ TEST_CASE("ForceGuard: whatever stands before the motors, the force there rises 
             for (std::uint64_t seed = 1; seed <= 40; ++seed) {
                 const auto [excess, strongest] = run_motors(max_slew, in_sample, seed);
                 CAPTURE(in_sample, max_slew, seed);
-                CHECK(excess <= 1e-12);
+                CHECK(excess <= guard_rounding(1e-12, 8) + 1000 * max_slew * guard_stamp_rounding);
                 CHECK(strongest > 1);
             }
         }
@@ -148,7 +148,7 @@ TEST_CASE("ForceGuard: after updates in which nothing was sent the force comes b
           "[force_guard][motor][regression]") {
     // Pressed with 1.55 N; one update is left out, and the position comes back 3 mm on, which asks for 2.75 N.
     const bool in_sample = GENERATE(true, false);
-    ForceGuard guard{{.stiffness = 400}};
+    Guard guard{{.stiffness = 400}};
     Motors motors{1};
     DeviceSample sample{.time = 1};
     const auto pass = [&](double newtons, bool tick) {
@@ -165,7 +165,7 @@ TEST_CASE("ForceGuard: after updates in which nothing was sent the force comes b
         return sent.z;
     };
     for (int n = 0; n < 600; ++n) (void)pass(1.55, true);
-    CHECK(motors.newtons().z == 1.55);
+    CHECK(motors.newtons().z == as_seen(1.55));
     const int left_out = GENERATE(1, 2, 9);
     for (int n = 0; n < left_out; ++n) CHECK(pass(0, false) == 0);
     sample.position.z -= 0.003;
@@ -177,7 +177,7 @@ TEST_CASE("ForceGuard: after updates in which nothing was sent the force comes b
 
 TEST_CASE("ForceGuard: what is told of the motors may be anything", "[force_guard][motor]") {
     for (const double bad : {make_nan(), make_signalling_nan(), make_infinity(), make_largest()}) {
-        ForceGuard guard{{.ramp = 0}};
+        Guard guard{{.ramp = 0}};
         DeviceSample sample{.time = 1};
         (void)guard.update(sample, {0, 0, 2});
         for (int n = 0; n < 5; ++n) {
@@ -204,7 +204,7 @@ TEST_CASE("ForceGuard: what is told of the motors may be anything", "[force_guar
 
 TEST_CASE("ForceGuard: release brings the force to zero gently, and a calibration may follow",
           "[force_guard][motor]") {
-    ForceGuard guard{{.ramp = 0.1}};
+    Guard guard{{.ramp = 0.1}};
     DeviceSample sample{.time = 1};
     GuardedForce result;
     const auto pass = [&](int updates) {
@@ -213,7 +213,7 @@ TEST_CASE("ForceGuard: release brings the force to zero gently, and a calibratio
             sample.time += 0.001;
             sample.position.z -= 1e-5;
             result = guard.update(sample, {0, 0, 2});
-            CHECK(std::abs(result.newtons.z - before) <= 2.0 / 100 + 1e-12);
+            CHECK(std::abs(result.newtons.z - before) <= 2.0 / 100 + guard_rounding(1e-12, 2));
         }
     };
     pass(200);
@@ -253,7 +253,7 @@ TEST_CASE("ForceGuard: release brings the force to zero gently, and a calibratio
 }
 
 TEST_CASE("ForceGuard: without a ramp release goes by the slew", "[force_guard][motor]") {
-    ForceGuard guard{{.max_slew = 0.5, .ramp = 0}};
+    Guard guard{{.max_slew = 0.5, .ramp = 0}};
     DeviceSample sample{.time = 1};
     const auto pass = [&] {
         sample.time += 0.001;
@@ -278,7 +278,7 @@ TEST_CASE("ForceGuard: a scene that changes under the hand comes up by the ramp"
     Workspace<double> workspace{{.scale = 4000, .offset = {320, 320, 110}}};
     ProxyTracker tracker{grid, {.max_contact_patches = 8}};
     ForceEvaluator<double> force{.stiffness = workspace.terrain_stiffness(400)};
-    ForceGuard guard{{.max_force = 3.3, .max_slew = 1, .ramp = 0.5}};
+    Guard guard{{.max_force = 3.3, .max_slew = 1, .ramp = 0.5}};
     double last = 0, steepest = 0, changed_at = 0;
     for (int n = 0; n < 3000; ++n) {
         const double in = std::clamp((n - 1000) / 200.0, 0.0, 1.0);
@@ -316,7 +316,7 @@ TEST_CASE("ForceGuard: a force that turns under a resting hand comes up by the r
     const bool moves = GENERATE(false, true);
     const double turned = degrees * 3.14159265358979 / 180;
     const glm::dvec3 from{0, 0, 2}, to{2 * std::sin(turned), 0, 2 * std::cos(turned)};
-    ForceGuard guard{guard_limits({.max_force = 3.3, .max_stiffness = 400, .rate = 1000})};
+    Guard guard{guard_limits({.max_force = 3.3, .max_stiffness = 400, .rate = 1000})};
     DeviceSample sample{.time = 1};
     GuardedForce result;
     glm::dvec3 before{0.0};
@@ -325,7 +325,7 @@ TEST_CASE("ForceGuard: a force that turns under a resting hand comes up by the r
         sample.time += 0.001;
         if (moves) sample.position.x += 1e-5; // a hand at 10 mm/s
         result = guard.update(sample, n < 550 ? from : to);
-        CHECK(distance(result.newtons, before) <= 1 + 1e-12L);
+        CHECK(distance(result.newtons, before) <= 1 + wide(guard_rounding(1e-12, 4)));
         before = result.newtons;
         if (n < 550) continue;
         const double along = glm::dot(result.newtons, to) / 2;
@@ -334,7 +334,7 @@ TEST_CASE("ForceGuard: a force that turns under a resting hand comes up by the r
         if (n == 555) along_after_5 = along;
     }
     if (moves) CHECK(along_after_5 == Approx(2)); // as over a ridge: by the slew
-    CHECK(distance(result.newtons, to) < 1e-9L);
+    CHECK(distance(result.newtons, to) < wide(guard_rounding(1e-9, 2)));
     CHECK((guard.counts().held_back > 0) == !moves);
     CHECK(trips(guard) == 0);
 }
@@ -353,7 +353,7 @@ TEST_CASE("ForceGuard: ground that tilts under a resting hand comes up by the ra
     Workspace<double> workspace{{.scale = 4000, .offset = {320, 320, 100}}};
     ProxyTracker tracker{grid, {.max_contact_patches = 8}};
     ForceEvaluator<double> force{.stiffness = workspace.terrain_stiffness(400)};
-    ForceGuard guard{guard_limits({.max_force = 3.3, .max_stiffness = 400, .rate = 1000})};
+    Guard guard{guard_limits({.max_force = 3.3, .max_stiffness = 400, .rate = 1000})};
     glm::dvec3 newtons{0.0}, before{0.0};
     double pressed = 0, steepest = 0;
     for (int n = 0; n < 3000; ++n) {
@@ -397,8 +397,7 @@ TEST_CASE("ForceGuard: what the hand makes is not held back, however fast", "[fo
     ProxyTracker tracker{grid, glides ? TrackerOptions{.max_contact_patches = 8} : TrackerOptions{}};
     Friction<double> friction{{.at_rest = 0.6, .sliding = 0.4}};
     ForceEvaluator<double> force{.stiffness = stiffness};
-    ForceGuard guard{
-        {.max_force = 8, .max_slew = 100, .ramp = 0.1, .stiffness = stiffness, .max_step = 0.01}};
+    Guard guard{{.max_force = 8, .max_slew = 100, .ramp = 0.1, .stiffness = stiffness, .max_step = 0.01}};
     Random random{5};
     glm::dvec3 hand{0.15, 0.15, 0.03}, to = hand;
     double speed = 0.1, strongest = 0;
@@ -422,7 +421,7 @@ TEST_CASE("ForceGuard: what the hand makes is not held back, however fast", "[fo
                                          contact.status == ContactStatus::buried);
         strongest = std::max(strongest, glm::length(result.newtons));
         held_back += result.held_back;
-        if (n > 200 && !result.clamped && !result.held_back) REQUIRE(result.newtons == asked);
+        if (n > 200 && !result.clamped && !result.held_back) REQUIRE(result.newtons == as_seen(asked));
     }
     // One of the paths with rests has a proxy that glides past a face on which it is felt nothing for an update.
     const bool seldom = pieces > 1 || (rests && glides);
@@ -448,7 +447,7 @@ TEST_CASE("ForceGuard: guard, then tank: the slew holds at the motor, and the ta
             };
             SimulatedDevice device{simulated_touch, HandGrip{}, path, 10};
             EnergyTank tank{{.largest_turn = 1.2e-4}};
-            ForceGuard guard;
+            Guard guard;
             Motors motors{guard.limits().max_slew};
             double balance = 0, least = 0, before = 0;
             for (int n = 0; n < 4800; ++n) {
@@ -465,7 +464,7 @@ TEST_CASE("ForceGuard: guard, then tank: the slew holds at the motor, and the ta
             }
             CAPTURE(speed, told, motors.steepest(), least);
             CHECK(least >= -1e-9);
-            if (told) CHECK(motors.excess() <= 1e-12);
+            if (told) CHECK(motors.excess() <= guard_rounding(1e-12, 8));
             if (told) CHECK(trips(guard) == 0);
         }
     }
@@ -478,7 +477,7 @@ TEST_CASE("ForceGuard: a fall off the rim ends the contact, and coming back unde
     const auto grid = ground.grid();
     ProxyTracker tracker{grid};
     ForceEvaluator<double> force{.stiffness = 500};
-    ForceGuard guard{{.ramp = 0.1}};
+    Guard guard{{.ramp = 0.1}};
     Motors motors{1};
     const glm::dvec3 way[] = {{0.05, 0.05, 0.005},  {0.05, 0.05, -0.004}, {0.12, 0.05, -0.004},
                               {0.05, 0.05, -0.004}, {0.05, 0.05, 0.005},  {0.05, 0.05, -0.004}};
@@ -512,7 +511,7 @@ TEST_CASE("ForceGuard: a fall off the rim ends the contact, and coming back unde
 TEST_CASE("ForceGuard: a force that trembles is not held back", "[force_guard][regression]") {
     // Rises of 20 mN that the hand did not make, each taken back at once: what was owed for them was never paid, and two
     // newtons became 0.3.
-    ForceGuard guard{guard_limits({.max_force = 3.3, .rate = 1000})};
+    Guard guard{guard_limits({.max_force = 3.3, .rate = 1000})};
     double least = 10;
     for (int n = 0; n < 6000; ++n) {
         const auto given = guard.update({.time = n * 1e-3}, {0, 0, n % 2 == 0 ? 2.0 : 2.02});
@@ -530,7 +529,7 @@ TEST_CASE("ForceGuard: a force that trembles is not held back", "[force_guard][r
 
 TEST_CASE("ForceGuard: after bad samples the force rises from zero by the slew, without a ramp too",
           "[force_guard][regression]") {
-    ForceGuard guard{{.max_force = 8, .max_slew = 1, .ramp = 0, .max_sudden = 8}};
+    Guard guard{{.max_force = 8, .max_slew = 1, .ramp = 0, .max_sudden = 8}};
     double before = 0, highest = 0;
     for (int n = 0; n < 100; ++n) {
         const bool bad = n % 20 >= 12;

@@ -1,8 +1,7 @@
 #include "catch.hpp"
 #include "support/device_streams.hpp"
 #include "support/guard_oracle.hpp"
-
-#include <hfh/device/force_guard.hpp>
+#include "support/guards.hpp"
 
 #include <functional>
 #include <string>
@@ -15,7 +14,7 @@ namespace {
 
 constexpr glm::dvec3 asked{0, 0, 1};
 
-unsigned trips(const ForceGuard& guard) {
+unsigned trips(const Guard& guard) {
     unsigned all = 0;
     for (const unsigned times : guard.counts().trips) all += times;
     return all;
@@ -23,7 +22,7 @@ unsigned trips(const ForceGuard& guard) {
 
 /// Trips of a guard that sees a whole stream.
 unsigned trips_of(const StreamOptions& options, const GuardLimits& limits = {}) {
-    ForceGuard guard{limits};
+    Guard guard{limits};
     for (const DeviceSample& sample : deliver(options)) (void)guard.update(sample, asked);
     return trips(guard);
 }
@@ -42,7 +41,7 @@ TEST_CASE("SampleCheck: what was seen to trip in ordinary use does not", "[sampl
 
     // A stall of 5 ms that ends in a burst.
     for (const double apart : {0.0, 1e-6, 1e-4}) {
-        ForceGuard guard;
+        Guard guard;
         DeviceSample sample{.time = 3};
         for (int n = 0; n < 2000; ++n) {
             const int in_stall = n % 500 - 400;
@@ -55,7 +54,7 @@ TEST_CASE("SampleCheck: what was seen to trip in ordinary use does not", "[sampl
     }
 
     // A stamp that is a tenth of a microsecond early.
-    ForceGuard guard;
+    Guard guard;
     DeviceSample sample{.time = 3};
     for (int n = 0; n < 1000; ++n) {
         sample.time = 3 + 0.001 * n;
@@ -155,7 +154,7 @@ const Fault all_faults[] = {
 
 /// The fault trips a guard that has seen six sevenths of the stream, in the same update and as what it is.
 void check_fault(const Fault& fault, const std::vector<DeviceSample>& stream, const GuardLimits& limits) {
-    ForceGuard guard{limits};
+    Guard guard{limits};
     const std::size_t at = stream.size() * 6 / 7;
     for (std::size_t n = 0; n < at; ++n) (void)guard.update(stream[n], asked);
     REQUIRE(trips(guard) == 0);
@@ -172,9 +171,9 @@ void check_fault(const Fault& fault, const std::vector<DeviceSample>& stream, co
 
 /// After the stream: the same sample over and over, and time that goes backwards.
 void check_stuck_clocks(const std::vector<DeviceSample>& stream) {
-    ForceGuard guard;
+    Guard guard;
     for (const auto& sample : stream) (void)guard.update(sample, asked);
-    ForceGuard backwards = guard;
+    Guard backwards = guard;
     auto sample = stream.back();
     GuardedForce result;
     for (int n = 0; n <= guard.limits().max_repeats; ++n) result = guard.update(sample, asked);
@@ -222,7 +221,7 @@ TEST_CASE("SampleCheck: a device at steady intervals is held to its own speed so
         GuardLimits limits = guard_limits({.rate = rate});
         limits.max_step = 0.0005;
         for (const double excess : {-1e-5, 1e-5}) {
-            SampleCheck check;
+            Check check;
             glm::dvec3 place{0.0};
             CheckedSample told;
             const int rest = static_cast<int>(20 * rate); // 20 s; then a first move of 2 mm
@@ -245,7 +244,7 @@ TEST_CASE("SampleCheck: an encoder in slow motion and a hand at rest do not make
           "[sample_check]") {
     // One step of 0.055 mm in 55 ms; then a jump that would be slow since then.
     for (const bool at_rest : {false, true}) {
-        SampleCheck check;
+        Check check;
         const GuardLimits limits;
         glm::dvec3 place{0.0};
         for (int n = 0; n < 5000; ++n) {
@@ -262,13 +261,13 @@ namespace {
 /// m: the longest move that is no jump, after two seconds of a hand at `speed`, which this changes.
 double longest_move(const GuardLimits& limits, const StreamOptions& options) {
     const auto stream = deliver(options);
-    SampleCheck check;
+    Check check;
     std::size_t n = 0;
     for (; n + 1 < stream.size(); ++n) (void)check.update(limits, stream[n].time, stream[n].position);
     double shortest = 0, longest = 1;
     for (int k = 0; k < 30; ++k) {
         const double middle = (shortest + longest) / 2;
-        SampleCheck copy = check;
+        Check copy = check;
         const glm::dvec3 place = stream[n].position + glm::dvec3{0, middle, 0};
         (copy.update(limits, stream[n].time, place).jump ? longest : shortest) = middle;
     }
@@ -300,7 +299,7 @@ TEST_CASE("SampleCheck: a jump from rest is one of the device's own period, howe
 TEST_CASE("SampleCheck: a move that is no jump to the guard reaches the motors by the slew",
           "[sample_check]") {
     // The longest that trips nothing, 100 mm into the ground: what it may do is turn the force up by max_slew.
-    ForceGuard guard;
+    Guard guard;
     double before = 0;
     for (int n = 0; n < 1020; ++n) {
         const double z = n < 1000 ? 0.0 : -0.1;
@@ -317,7 +316,7 @@ TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its f
     for (const bool known : {true, false}) {
         for (const double speed : {4.9, 8.0, 12.0}) {
             const GuardLimits limits = known ? guard_limits({.rate = 1000}) : GuardLimits{};
-            SampleCheck check;
+            Check check;
             glm::dvec3 place{0.0};
             double since = 0;
             int jumps = 0;
@@ -336,7 +335,7 @@ TEST_CASE("SampleCheck: no hand is faster than max_speed for long, however its f
 }
 
 TEST_CASE("SampleCheck: forgets", "[sample_check]") {
-    SampleCheck check;
+    Check check;
     const GuardLimits limits;
     (void)check.update(limits, 1, {});
     check.forget();

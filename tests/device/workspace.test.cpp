@@ -290,8 +290,59 @@ TEST_CASE("suitable_level: a cell of that level measures so much in the hand", "
     CHECK(suitable_level(20000, 10, 1e-3) == Approx(1));
     Random random{32};
     for (int n = 0; n < 200; ++n) {
-        const double scale = std::exp(random.between(0, 12)), cell = std::exp(random.between(-3, 5)),
-                     in_hand = std::exp(random.between(-9, -4));
-        CHECK(cell * std::pow(2, suitable_level(scale, cell, in_hand)) / scale == Approx(in_hand));
+        const double cell = std::exp(random.between(-3, 5)), in_hand = std::exp(random.between(-9, -4)),
+                     whole = static_cast<double>(random.whole(-3, 12)),
+                     scale = cell / in_hand * std::exp2(whole);
+        CAPTURE(cell, in_hand, whole);
+        const auto level = [&](double octaves) {
+            return suitable_level(scale * std::exp2(octaves), cell, in_hand);
+        };
+        CHECK(level(0) == Approx(whole).margin(1e-12));
+        CHECK(level(0.5) == Approx(whole + 0.5));
+        // Between whole levels about, never back, and at whole ones next to standing still.
+        double last = level(0);
+        for (double alpha = 0.01; alpha < 1; last = level(alpha), alpha += 0.01) {
+            CHECK(level(alpha) >= last);
+            CHECK(cell * std::exp2(level(alpha)) / (scale * std::exp2(alpha)) ==
+                  Approx(in_hand).epsilon(0.07));
+        }
+        for (const double alpha : {-0.001, 0.001}) CHECK(std::abs(level(alpha) - whole) < 4e-6);
     }
+}
+
+TEST_CASE("Workspace: in float it maps as in double, to some roundings, and is clutched and zoomed alike",
+          "[workspace][law]") {
+    Random random{31};
+    for (int n = 0; n < 1000; ++n) {
+        const double size = std::exp(random.between(-3, 5)); // of the terrain, m
+        // Both have the same frame, and the turn is one to the rounding of a float.
+        const glm::mat3 turn{random_rotation(random)};
+        const auto scale = static_cast<float>(std::exp(random.between(-3, 5)));
+        const vec3<float> offset{random_point(random, size)};
+        Workspace<float, float> single{{.scale = scale, .rotation = turn, .offset = offset}};
+        Workspace<double> reference{
+            {.scale = widen(scale), .rotation = glm::dmat3{turn}, .offset = widen(offset)}};
+        REQUIRE(single.status() == WorkspaceStatus::ok);
+        const double bound = tolerance<float>(size + widen(scale));
+        for (int step = 0; step < 20; ++step) {
+            const bool clutch = step >= 5 && step < 10;
+            const vec3<float> hand{random_point(random, 0.1)};
+            const auto one = single.update(hand, clutch);
+            const auto other = reference.update(widen(hand), clutch);
+            CHECK(glm::distance(widen(one), other) < bound);
+            const vec3<float> newtons{random_point(random, 3)};
+            CHECK(
+                glm::distance(widen(single.force_at_hand(newtons)), reference.force_at_hand(widen(newtons))) <
+                tolerance<float>(6 * widen(scale)));
+            if (step == 12) {
+                CHECK(single.zoom(scale / 2, one) == WorkspaceStatus::ok);
+                CHECK(reference.zoom(widen(scale) / 2, other) == WorkspaceStatus::ok);
+            }
+        }
+        CHECK(widen(single.terrain_stiffness(400)) == Approx(reference.terrain_stiffness(400)));
+        CHECK(widen(single.terrain_force(3)) == Approx(reference.terrain_force(3)));
+    }
+    // A reflection, and a turn that is none.
+    CHECK(check(BasicWorkspaceFrame<float>{.rotation = glm::mat3{-1.0f}}) == WorkspaceStatus::bad_rotation);
+    CHECK(check(BasicWorkspaceFrame<float>{.rotation = glm::mat3{1.001f}}) == WorkspaceStatus::bad_rotation);
 }

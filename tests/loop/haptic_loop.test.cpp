@@ -22,7 +22,7 @@ using namespace hfh::test;
 
 using Grid64 = Terrain<double>::Grid;
 using Grid32 = Terrain<float>::Grid;
-static_assert(sizeof(HapticLoop<Grid64>) <= 1200 && sizeof(HapticLoop<Grid32>) <= 1024);
+static_assert(sizeof(HapticLoop<Grid64>) <= 1232 && sizeof(HapticLoop<Grid32>) <= 1056);
 static_assert(std::is_trivially_copyable_v<HapticLoop<Grid64>>);
 static_assert(std::is_nothrow_constructible_v<HapticLoop<Grid64>, const Grid64&, const HapticLoopOptions&>);
 static_assert(!std::is_constructible_v<HapticLoop<Grid64>, Grid64>, "the field must outlive the loop");

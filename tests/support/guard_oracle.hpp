@@ -1,9 +1,8 @@
 #ifndef HFH_TESTS_SUPPORT_GUARD_ORACLE_HPP
 #define HFH_TESTS_SUPPORT_GUARD_ORACLE_HPP
 
+#include "guards.hpp"
 #include "random.hpp"
-
-#include <hfh/device/force_guard.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -107,7 +106,7 @@ private:
             return nullptr;
         }
         const long double length = distance(sent, glm::dvec3{0.0}), most = wide(limits_.max_force);
-        if (length > most * (1 + 1e-12L)) return "never longer than max_force";
+        if (length > most * (1 + fine)) return "never longer than max_force";
 
         // The motors have had the last force since it was sent, or since the update before if that is later.
         const long double passed = latest_ > before ? latest_ - before : 0.0L;
@@ -115,13 +114,13 @@ private:
         const long double held = latest_ > since ? latest_ - since : 0.0L;
         const long double allowed = 1000 * wide(limits_.max_slew) * held;
         const long double changed = distance(sent, sent_);
-        if (changed > allowed * (1 + 1e-9L) + 1e-12L * most) return "no faster than max_slew";
+        if (changed > allowed * (1 + coarse) + fine * most) return "no faster than max_slew";
 
         const long double ramp = wide(limits_.ramp), part = passed < ramp ? passed / ramp : 1.0L;
         gain_ += update.sample.release ? -part : part;
         gain_ = gain_ < 0 ? 0.0L : gain_ > 1 ? 1.0L : gain_;
         const long double ramped = gain_ * most, had = distance(sent_, glm::dvec3{0.0});
-        if (length > std::max(ramped, had) * (1 + 1e-9L) + 1e-12L) return "below the ramp, or falling to it";
+        if (length > std::max(ramped, had) * (1 + coarse) + fine) return "below the ramp, or falling to it";
 
         const long double asked = distance(update.asked, glm::dvec3{0.0});
         const long double wanted = asked > most ? most : asked;
@@ -133,7 +132,7 @@ private:
         const long double whole = distance(target, sent_);
         const long double left = whole > allowed ? whole - allowed : 0.0L;
         const long double error = distance(target, sent) - left;
-        if (error > 1e-9L * most || error < -1e-9L * most) return "goes straight to the force asked for";
+        if (error > coarse * most || error < -coarse * most) return "goes straight to the force asked for";
         return nullptr;
     }
 
@@ -171,6 +170,16 @@ private:
         return cosine > 0 ? cosine * asked_ : 0.0L;
     }
 
+    /// s by which two stamps may seem farther apart than they are.
+    [[nodiscard]] static long double rounding_of([[maybe_unused]] long double one,
+                                                 [[maybe_unused]] long double other,
+                                                 [[maybe_unused]] long double gap) {
+        if constexpr (sizeof(GuardScalar) == sizeof(double))
+            return 0x1p-52L * (std::abs(one) + std::abs(other));
+        else
+            return 1e-9L + 3 * 0x1p-23L * gap;
+    }
+
     void start_ramp() {
         gain_ = 0;
         asked_ = -1;
@@ -203,7 +212,7 @@ private:
         const DeviceSample last = good_.back();
         good_.push_back(now);
         const long double time = wide(now.time), most = wide(limits_.max_gap), passed = time - latest_;
-        const long double rounding = 0x1p-52L * (std::abs(time) + std::abs(latest_));
+        const long double rounding = rounding_of(time, latest_, most);
         const bool back = passed < -most - rounding, stale = back || passed > most + rounding;
         if (stale) causes |= bit(GuardTrip::stale);
         repeats_ = passed > 0 || stale ? 0 : repeats_ + 1;
@@ -241,6 +250,11 @@ private:
         changed_at_ = latest_;
         return jump;
     }
+
+    // Of the roundings in one update, and of those that add up while a force comes up by the ramp: in float half a rounding in
+    // each of up to 500 updates.
+    static constexpr long double fine = wide(guard_rounding(1e-12, 8)),
+                                 coarse = wide(guard_rounding(1e-9, 250));
 
     GuardLimits limits_;
     std::vector<DeviceSample> good_{};

@@ -81,14 +81,15 @@ public:
                      to_glide = glides() ? 16 * cells * (1 + longest_patch(*terrain_) / glide_speed_) : 0,
                      enough = 64 + to_glide +
                               4 * cells / std::min(options_.max_patches, options_.max_contact_patches);
+        const double waits = std::min(enough, most_waited_for);
         Contact<T> c = update(stylus);
-        for (double n = 1; is_on_its_way(c) && n <= enough; ++n) {
+        for (double n = 1; is_on_its_way(c) && n <= waits; ++n) {
             check_force(c, unlimited);
             c = update(stylus);
         }
         if (c.status == ContactStatus::bad_input) return c;
         if (is_on_its_way(c)) {
-            if (judges_rest) note("does not get there");
+            if (judges_rest && waits == enough) note("does not get there");
             return c;
         }
         check_force(c, unlimited);
@@ -169,6 +170,7 @@ public:
 private:
     static constexpr Wide nothing = std::numeric_limits<Wide>::quiet_NaN();
     static constexpr int most_at_rest = 64; // patches: some casts from the proxy and looks around it
+    static constexpr double most_waited_for = 50'000; // updates: a slow glide over cliffs takes millions
 
     /// How an update with all the work it wants ends at rest.
     struct Unlimited {

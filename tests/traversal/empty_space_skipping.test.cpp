@@ -430,6 +430,13 @@ TEMPLATE_TEST_CASE(
                 ++limited;
                 from = from + found.t * (b - from);
             }
+            // The same segment to its end.
+            FirstHitOptions options{.max_cells = limit};
+            auto found = hfh::first_hit(counting, a, b, options);
+            for (; found.status == HitStatus::cell_limit; found = hfh::first_hit(counting, a, b, options))
+                options.begin_at = found.t, options.side = found.side;
+            REQUIRE(found.status == plain.status);
+            REQUIRE(found.t == plain.t);
         }
         return limited;
     };

@@ -688,6 +688,65 @@ TEMPLATE_TEST_CASE("first_hit: going on from where the limit stopped finds the s
     CHECK(hits > 1'000);
 }
 
+/// Whether they found the same, to the bit.
+template <class Hit>
+[[nodiscard]] static bool same(const Hit& one, const Hit& other) {
+    return one.status == other.status && one.t == other.t && one.side == other.side &&
+           one.leaving == other.leaving && one.point.cell == other.point.cell &&
+           one.point.u == other.point.u && one.point.v == other.point.v;
+}
+
+TEMPLATE_TEST_CASE(
+    "first_hit: a search of the same segment goes on as if it had not been cut short, to the bit",
+    "[first_hit][law][limited][hard]", float, double) {
+    using T = TestType;
+    Random random{72};
+    int pieces = 0, hits = 0, leaving = 0;
+    for_each_terrain<T>([&](const Terrain<T>& terrain) {
+        const auto grid = terrain.grid();
+        for (int n = 0; n < 600; ++n) {
+            // Anywhere; along a grid line; aslant through vertices; from one height of the ground to another, so that it
+            // grazes what is between.
+            dvec3 a{somewhere(random, terrain, 1), random.between(-1, 6)};
+            dvec3 b{somewhere(random, terrain, 1), random.between(-2, 5)};
+            if (n % 6 == 1) a.x = b.x = vertex(random, terrain).x;
+            if (n % 6 == 2) a.y = b.y = vertex(random, terrain).y;
+            if (n % 6 >= 3) a = {vertex(random, terrain), a.z}, b = {vertex(random, terrain), b.z};
+            if (n % 6 == 4) a.z = b.z = static_cast<double>(random.whole(-2, 3));
+            if (n % 6 == 5)
+                a.z = b.z = static_cast<double>(
+                    terrain
+                        .heights[static_cast<std::size_t>(random.whole(0, std::ssize(terrain.heights) - 1))]);
+            if (a.z != a.z) continue; // "no data"
+            FirstHitOptions options{.surface = random.one_in(2) ? SurfaceKind::solid : SurfaceKind::sheet,
+                                    .side = random.one_in(3)   ? Side::none
+                                            : random.one_in(2) ? Side::above
+                                                               : Side::below};
+            if (options.side != Side::none && random.one_in(2))
+                options.leaves_within = random.between(0, 0.3);
+            const double leaves_within = options.leaves_within;
+            const auto whole = first_hit(grid, a, b, options);
+            options.max_cells = random.whole(1, 6);
+            CAPTURE(options.max_cells, n, a.x, a.y, a.z, b.x, b.y, b.z);
+            auto found = first_hit(grid, a, b, options);
+            for (int casts = 1; found.status == HitStatus::cell_limit; ++casts) {
+                REQUIRE(casts < 100);
+                REQUIRE(found.cells <= glm::max<Index>(options.max_cells, 4) + 3);
+                REQUIRE(found.t > options.begin_at);
+                options.begin_at = found.t, options.side = found.side;
+                options.leaves_within = found.leaving ? leaves_within : -1;
+                ++pieces, leaving += found.leaving;
+                found = first_hit(grid, a, b, options);
+            }
+            hits += found.status == HitStatus::hit;
+            CHECK(same(found, whole));
+        }
+    });
+    CHECK(pieces > 5'000);
+    CHECK(hits > 1'000);
+    CHECK(leaving > 500);
+}
+
 TEMPLATE_TEST_CASE("first_hit: a search in pieces leaves the surface as one search does",
                    "[first_hit][law][limited]", float, double) {
     using T = TestType;

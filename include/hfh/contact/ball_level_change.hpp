@@ -48,7 +48,8 @@ double change_level(Levels& levels, double level, BallTracker<Field>& tracker) n
     const double rise = before && after ? *after - *before : 0;
     state.centre.z += rise;
     state.stylus.z += rise;
-    state.point.swept_to.z += rise;
+    state.point.stylus.z += rise;
+    state.point.search_from.z += rise;
     tracker.restore(state);
     return rise;
 }

@@ -198,7 +198,7 @@ auto BallTracker<Field>::update_point(const vec3<Scalar>& stylus) noexcept -> Ba
     static_cast<Contact<Scalar>&>(contact) = point_.update(stylus);
     if (contact.status == ContactStatus::bad_input) return contact;
     const auto& point = point_.state();
-    state_ = {.centre = point.touching() ? widen(contact.proxy) : point.swept_to,
+    state_ = {.centre = point.touching() ? widen(contact.proxy) : point.swept_to(),
               .stylus = widen(stylus),
               .foot = point.proxy,
               .side = point.side,
@@ -225,7 +225,7 @@ constexpr void BallTracker<Field>::hand_to_point() noexcept {
     TrackerState<Scalar> point;
     if (!state_.is_buried && state_.phase != Phase::unseen) {
         const bool touching = state_.touching();
-        point.swept_to = touching ? state_.stylus : state_.centre;
+        point.stylus = touching ? state_.stylus : state_.centre;
         point.proxy = state_.foot;
         point.side = state_.side;
         point.phase = touching ? Phase::contact : Phase::free;

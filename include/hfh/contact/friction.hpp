@@ -119,7 +119,7 @@ private:
 
     /// `hold`, for a contact that touches.
     template <Normals normals, HeightField Field>
-    [[nodiscard, gnu::always_inline]] Contact<T> hold_back(const Field& field, const Contact<T>& contact,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Contact<T> hold_back(const Field& field, const Contact<T>& contact,
                                                            const vec3<T>& stylus) noexcept {
         const bool first = state_.side != contact.side || !(contact.depth > 0);
         state_.side = contact.side;

@@ -82,8 +82,9 @@ template <LeveledHeightField Levels, HeightField Field>
 double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker) noexcept {
     auto state = tracker.state();
     const auto ground = [&] {
-        return state.touching() ? detail::height_at(tracker.field(), state.proxy)
-                                : detail::height_over(tracker.field(), state.swept_to.x, state.swept_to.y);
+        return state.touching()
+                   ? detail::height_at(tracker.field(), state.proxy)
+                   : detail::height_over(tracker.field(), state.swept_to().x, state.swept_to().y);
     };
     if (state.phase == TrackerPhase::unseen) {
         levels.set_level(level);
@@ -95,7 +96,8 @@ double change_level(Levels& levels, double level, ProxyTracker<Field>& tracker) 
     state.proxy = renumbered(state.proxy, levels.finer_level() - k);
     const auto after = ground();
     const double rise = before && after ? *after - *before : 0;
-    state.swept_to.z += rise;
+    state.stylus.z += rise;
+    state.search_from.z += rise;
     tracker.restore(state);
     return rise;
 }

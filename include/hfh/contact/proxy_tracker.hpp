@@ -45,8 +45,10 @@ enum class TrackerPhase : unsigned char {
 /// F is what the lattice of the field computes in.
 template <Real T, Real F = double>
 struct TrackerState {
-    /// The stylus; searching and releasing: up to where the surface has been searched.
-    vec3<F> swept_to{F(0)};
+    vec3<F> stylus{F(0)}; ///< of the last update
+    /// Searching and releasing: where the search to the stylus began.
+    vec3<F> search_from{F(0)};
+    F searched{}; ///< searching and releasing: how much of the way from there to the stylus has been searched, from 0 to 1
     SurfacePoint<T> proxy{}; ///< in contact: the proxy; searching, if `after_release`: the released minimum
     DescentProgress<T> progress{}; ///< sliding: of the descent to this stylus
     /// |proxy − stylus|² in m² at the released minimum: releasing, and sliding and searching if `after_release`.
@@ -63,6 +65,11 @@ struct TrackerState {
     bool leaving = false;
 
     [[nodiscard]] constexpr bool touching() const noexcept { return phase >= TrackerPhase::contact; }
+    /// Up to where the surface has been searched: the stylus, or a place on the way to it.
+    [[nodiscard]] vec3<F> swept_to() const noexcept {
+        const bool on_the_way = phase == TrackerPhase::searching || phase == TrackerPhase::releasing;
+        return on_the_way ? point_on_segment(search_from, stylus, searched) : stylus;
+    }
 };
 
 namespace detail {
@@ -164,7 +171,7 @@ private:
 
     /// Free, with something in the way, or near it. Not inlined, so that an update that meets nothing needs no stack.
     [[nodiscard, gnu::noinline]] Contact<Scalar> search(const vec3<Scalar>& stylus) noexcept;
-    /// In contact: slides the proxy, as far as is allowed for the way from `swept_to` to the stylus. `patches` were looked
+    /// In contact: slides the proxy, as far as is allowed for the way from the last stylus to this one. `patches` were looked
     /// at before. Mostly it comes to a minimum that holds the stylus.
     [[nodiscard, gnu::noinline]] Contact<Scalar> update_contact(const vec3<Scalar>& stylus,
                                                                 int patches) noexcept;
@@ -183,10 +190,16 @@ private:
 
     // What they do: each cast returns what it found, and these write it down.
 
-    [[nodiscard]] Hit cast(const Place& from, const Place& to, BasicFirstHitOptions<F> options,
-                           int max_cells) const noexcept;
+    /// From where a search to a stylus sets out, and where on the way it begins. One that was cut short goes on as if it had
+    /// not been, if the stylus is where it was.
+    struct Way {
+        Place from, to;
+        F begin_at;
+    };
+    [[nodiscard]] Way way_to(const vec3<Scalar>& stylus) const noexcept;
+    [[nodiscard]] Hit cast(const Way& way, BasicFirstHitOptions<F> options, int max_cells) const noexcept;
     /// Casts on from a minimum that does not hold the stylus, which the proxy is at. Counts the cells to `work`; remembers
-    /// where it ended if it was cut short.
+    /// how far it came if it was cut short.
     [[nodiscard, gnu::noinline]] Hit search_beyond(const vec3<Scalar>& stylus, int max_cells,
                                                    Work& work) noexcept;
     /// Within how many metres of the surface a search from a released minimum lies on it, until it has got off; < 0: it has.
@@ -198,9 +211,11 @@ private:
     /// After a search from a released minimum that came to no other face: free, or, if it was cut short and the stylus has the
     /// surface over it, still in contact, unless there is no patch at that minimum any more. Inlined, so that what GCC 12 makes of an update does not depend on what else was
     /// included before.
-    [[nodiscard, gnu::always_inline]] Contact<Scalar> end_release(const vec3<Scalar>& stylus, const Hit& hit,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Contact<Scalar> end_release(const vec3<Scalar>& stylus, const Hit& hit,
                                                                   const DescentResult<Scalar>& found,
                                                                   int patches) noexcept;
+    /// The search was cut short: remembers how far it came.
+    void stop_search(const Way& way, const Hit& hit) noexcept;
     /// Free so far: goes on with the search at the next update.
     [[nodiscard]] Contact<Scalar> keep_searching(Side side, const vec3<Scalar>& stylus, int patches) noexcept;
     /// Free: the surface has been searched up to the stylus, which is on this side.
@@ -235,7 +250,7 @@ private:
     [[nodiscard]] Scalar rounding_bound(const DescentResult<Scalar>& found) const noexcept;
 
     /// In contact at `found`. Not `felt`: a stylus that is outside is not pulled back to the surface.
-    [[nodiscard, gnu::always_inline]] Contact<Scalar> make_contact(const vec3<Scalar>& stylus,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Contact<Scalar> make_contact(const vec3<Scalar>& stylus,
                                                                    const DescentResult<Scalar>& found,
                                                                    ContactStatus status, bool felt,
                                                                    int patches) const noexcept;
@@ -256,15 +271,14 @@ auto ProxyTracker<Field>::update(const vec3<Scalar>& stylus) noexcept -> Contact
     }
     if (state_.phase == Phase::contact) return update_contact(stylus, 0);
     if (state_.touching()) return resume_contact(stylus);
+    if (state_.phase != Phase::free) return search(stylus);
 
     const Place to = detail::widen_to<F>(stylus);
-    if (state_.phase == Phase::unseen) state_.swept_to = to;
     // What a search comes to nearly always.
     if (state_.side != Side::below && options_.max_patches >= 4) {
-        if (const Index cells = detail::cells_below_short_segment(*field_, state_.swept_to, to); cells > 0) {
+        if (const Index cells = detail::cells_below_short_segment(*field_, state_.stylus, to); cells > 0) {
             state_.side = Side::above;
-            state_.swept_to = to;
-            state_.phase = Phase::free;
+            state_.stylus = to;
             return without_contact(ContactStatus::free, stylus, static_cast<int>(cells));
         }
     }
@@ -273,35 +287,31 @@ auto ProxyTracker<Field>::update(const vec3<Scalar>& stylus) noexcept -> Contact
 
 template <HeightField Field>
 auto ProxyTracker<Field>::search(const vec3<Scalar>& stylus) noexcept -> Contact<Scalar> {
-    const Place from = state_.swept_to, to = detail::widen_to<F>(stylus);
+    if (state_.phase == Phase::unseen) state_.stylus = detail::widen_to<F>(stylus);
+    const Way way = way_to(stylus);
     const bool went_on = state_.phase == Phase::searching;
     state_.leaving = went_on && state_.leaving;
-    const auto hit =
-        cast(from, to, {.side = state_.side, .leaves_within = leaves_within(stylus)}, work_allowed());
+    const auto hit = cast(way, {.side = state_.side, .leaves_within = leaves_within(stylus)}, work_allowed());
     const int patches = static_cast<int>(hit.cells);
     if (hit.status == HitStatus::miss) return set_free(hit.side, stylus, patches);
     if (hit.status == HitStatus::cell_limit) {
         state_.after_release = went_on && state_.after_release;
-        state_.swept_to = point_on_segment(from, to, hit.t);
-        state_.leaving = hit.leaving;
+        stop_search(way, hit);
         return keep_searching(hit.side, stylus, patches);
     }
     const bool after_release =
         went_on && state_.after_release && is_as_far_as_released(look_at_proxy(stylus));
     state_.reenters_at_once = false;
     enter_face(hit, Phase::contact);
-    if (after_release) return slide(stylus, {}, {patches, slide_allowance(to, stylus), true});
-    // How far the proxy may slide goes by how far the stylus moved in this update. `swept_to` is farther back than that where
-    // the search was cut short.
-    if (went_on) state_.swept_to = to;
+    if (after_release) return slide(stylus, {}, {patches, slide_allowance(state_.stylus, stylus), true});
     return update_contact(stylus, patches);
 }
 
 template <HeightField Field>
 auto ProxyTracker<Field>::update_contact(const vec3<Scalar>& stylus, int patches) noexcept
     -> Contact<Scalar> {
-    const Work work{patches, slide_allowance(state_.swept_to, stylus), false};
-    state_.swept_to = detail::widen_to<F>(stylus);
+    const Work work{patches, slide_allowance(state_.stylus, stylus), false};
+    state_.stylus = detail::widen_to<F>(stylus);
     DescentProgress<Scalar> progress;
     const auto found =
         detail::descend_inline(*field_, stylus, state_.proxy, glm::max(1, slide_allowed(work)), progress);
@@ -314,12 +324,11 @@ auto ProxyTracker<Field>::update_contact(const vec3<Scalar>& stylus, int patches
 
 template <HeightField Field>
 auto ProxyTracker<Field>::resume_contact(const vec3<Scalar>& stylus) noexcept -> Contact<Scalar> {
-    const Place to = detail::widen_to<F>(stylus);
-    if (state_.phase == Phase::sliding && to != state_.swept_to) {
+    if (state_.phase == Phase::sliding && detail::widen_to<F>(stylus) != state_.stylus) {
         state_.phase = Phase::contact;
         return update_contact(stylus, 0);
     }
-    Work work{0, slide_allowance(to, stylus), state_.after_release};
+    Work work{0, slide_allowance(state_.stylus, stylus), state_.after_release};
     if (state_.phase == Phase::sliding) return slide(stylus, state_.progress, work);
 
     const auto released = look_at_proxy(stylus);
@@ -346,7 +355,7 @@ auto ProxyTracker<Field>::finish_slide(const vec3<Scalar>& stylus, DescentResult
         work.patches += found.patches;
         work.slide -= found.patches;
         state_.proxy = found.point;
-        state_.swept_to = detail::widen_to<F>(stylus);
+        state_.stylus = detail::widen_to<F>(stylus);
         // A user's own field may have heights that are none.
         const bool is_finite_there = is_finite(glm::dot(found.offset, found.offset));
         if (found.status == DescentStatus::off_border || found.status == DescentStatus::off_hole ||
@@ -376,28 +385,34 @@ auto ProxyTracker<Field>::finish_slide(const vec3<Scalar>& stylus, DescentResult
         release(stylus, found);
         work.after_release = true;
         auto hit = search_beyond(stylus, slide_allowed(work), work);
-        // Then the search has gone a sixteenth of a cell at least (`FirstHitOptions::max_cells`), and is not at its start.
-        const bool cut_short = hit.status == HitStatus::cell_limit;
         // A stylus that has the surface over it is not free: it is searched for with all that is allowed.
-        if (cut_short && work.patches < work_allowed() && has_surface_over(stylus))
+        if (hit.status == HitStatus::cell_limit && work.patches < work_allowed() && has_surface_over(stylus))
             hit = search_beyond(stylus, work_allowed() - work.patches, work);
         if (hit.status != HitStatus::hit) return end_release(stylus, hit, found, work.patches);
 
         enter_face(hit, Phase::sliding);
-        state_.reenters_at_once =
-            !cut_short && hit.t * std::sqrt(detail::widen_to<F>(state_.released_squared)) <=
-                              detail::widen_to<F>(rounding_bound(found));
+        state_.reenters_at_once = hit.t * std::sqrt(detail::widen_to<F>(state_.released_squared)) <=
+                                  detail::widen_to<F>(rounding_bound(found));
         progress = {};
         found = detail::descend_on(*field_, stylus, state_.proxy, slide_allowed(work), progress);
     }
 }
 
 template <HeightField Field>
-auto ProxyTracker<Field>::cast(const Place& from, const Place& to, BasicFirstHitOptions<F> options,
-                               int max_cells) const noexcept -> Hit {
+auto ProxyTracker<Field>::way_to(const vec3<Scalar>& stylus) const noexcept -> Way {
+    const Place to = detail::widen_to<F>(stylus);
+    const bool on_the_way = state_.phase == Phase::searching || state_.phase == Phase::releasing;
+    if (on_the_way && to == state_.stylus) return {state_.search_from, to, state_.searched};
+    return {state_.swept_to(), to, 0};
+}
+
+template <HeightField Field>
+auto ProxyTracker<Field>::cast(const Way& way, BasicFirstHitOptions<F> options, int max_cells) const noexcept
+    -> Hit {
     options.surface = options_.surface;
     options.max_cells = max_cells;
-    return detail::cast(*field_, from, to, options);
+    options.begin_at = way.begin_at;
+    return detail::cast(*field_, way.from, way.to, options);
 }
 
 template <HeightField Field>
@@ -418,14 +433,13 @@ auto ProxyTracker<Field>::leaves_within(const vec3<Scalar>& stylus) const noexce
 template <HeightField Field>
 auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cells, Work& work) noexcept
     -> Hit {
-    const Place from = state_.swept_to, to = detail::widen_to<F>(stylus);
-    const auto hit = cast(from, to, {.side = state_.search_side, .leaves_within = leaves_within(stylus)},
+    const Way way = way_to(stylus);
+    const auto hit = cast(way, {.side = state_.search_side, .leaves_within = leaves_within(stylus)},
                           glm::max(1, max_cells));
     work.patches += static_cast<int>(hit.cells);
     if (hit.status == HitStatus::cell_limit) {
-        state_.swept_to = point_on_segment(from, to, hit.t);
+        stop_search(way, hit);
         state_.search_side = hit.side;
-        state_.leaving = hit.leaving;
     }
     return hit;
 }
@@ -433,7 +447,8 @@ auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cell
 template <HeightField Field>
 void ProxyTracker<Field>::release(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) noexcept {
     state_.phase = Phase::releasing;
-    state_.swept_to = detail::widen_to<F>(stylus) + detail::widen_to<F>(found.offset);
+    state_.search_from = detail::widen_to<F>(stylus) + detail::widen_to<F>(found.offset);
+    state_.searched = 0;
     state_.search_side = state_.side;
     state_.released_squared = glm::dot(found.offset, found.offset);
     state_.after_release = true;
@@ -458,6 +473,14 @@ inline auto ProxyTracker<Field>::end_release(const vec3<Scalar>& stylus, const H
 }
 
 template <HeightField Field>
+void ProxyTracker<Field>::stop_search(const Way& way, const Hit& hit) noexcept {
+    state_.search_from = way.from;
+    state_.stylus = way.to;
+    state_.searched = hit.t;
+    state_.leaving = hit.leaving;
+}
+
+template <HeightField Field>
 auto ProxyTracker<Field>::keep_searching(Side side, const vec3<Scalar>& stylus, int patches) noexcept
     -> Contact<Scalar> {
     state_.phase = Phase::searching;
@@ -470,7 +493,7 @@ auto ProxyTracker<Field>::set_free(Side side, const vec3<Scalar>& stylus, int pa
     -> Contact<Scalar> {
     state_.phase = Phase::free;
     state_.side = side;
-    state_.swept_to = detail::widen_to<F>(stylus);
+    state_.stylus = detail::widen_to<F>(stylus);
     const bool buried = side == Side::below && options_.surface == SurfaceKind::solid;
     return without_contact(side == Side::none ? ContactStatus::off_surface
                            : buried           ? ContactStatus::buried
@@ -482,7 +505,7 @@ template <HeightField Field>
 auto ProxyTracker<Field>::release_at_rim(const vec3<Scalar>& stylus, DescentStatus rim, int patches) noexcept
     -> Contact<Scalar> {
     const Place here = detail::widen_to<F>(stylus);
-    const auto hit = cast(here, here, {}, 1); // for the side that the stylus is on
+    const auto hit = cast({here, here, 0}, {}, 1); // for the side that the stylus is on
     Contact<Scalar> left = set_free(hit.side, stylus, patches + static_cast<int>(hit.cells));
     left.status =
         rim == DescentStatus::off_border ? ContactStatus::left_at_border : ContactStatus::left_at_hole;

@@ -3,18 +3,34 @@
 
 #include <hfh/geometry/scalar.hpp>
 
+#include <compare>
 #include <concepts>
+#include <cstdint>
+#include <type_traits>
 
 // A force-feedback device of any vendor as the rest of a program sees it: it gives samples and takes forces, in SI units, in a
 // right-handed frame with z up. A driver converts from and to its own axes and units.
 
 namespace hfh {
 
-/// Where the device's end effector is, in the device's workspace.
-struct DeviceSample {
-    double time = 0;           ///< seconds, never decreasing, from an origin of the device's choice
-    glm::dvec3 position{0.0};  ///< metres
-    glm::dvec3 velocity{0.0};  ///< metres per second, if `has_velocity`
+/// The time of a device without a double, from an origin of the device's choice: 146 years to both sides.
+struct Nanoseconds {
+    std::int64_t count = 0;
+    friend constexpr auto operator<=>(const Nanoseconds&, const Nanoseconds&) noexcept = default;
+};
+
+/// What times are told in: seconds where F is double. A float in seconds tells no millisecond apart after some hours, so in
+/// single precision times are whole numbers, and only what lies between two of them is a float.
+template <Real F>
+using DeviceTime = std::conditional_t<std::same_as<F, double>, double, Nanoseconds>;
+
+/// Where the device's end effector is, in the device's workspace. F is what a device and its guard compute in: double, or
+/// float where the processor has no double.
+template <Real F>
+struct BasicDeviceSample {
+    DeviceTime<F> time{};      ///< never decreasing, from an origin of the device's choice
+    vec3<F> position{F(0)};    ///< metres
+    vec3<F> velocity{F(0)};    ///< metres per second, if `has_velocity`
     bool has_velocity = false; ///< the device measures it
     unsigned buttons = 0;      ///< bit k: button k is down
     /// The device refused the last force: give no force in this update, and forget the contact.
@@ -22,32 +38,37 @@ struct DeviceSample {
     /// The device is about to take no force, as for a calibration: bring the force to zero, and back up when this is false
     /// again. The driver calls the tick until the command is zero.
     bool release = false;
-    bool has_sent = false; ///< the driver tells what it last gave to the motors:
-    glm::dvec3 sent{0.0};  ///< newtons, after all that changed it on the way; zero if none was given
-    double sent_at = 0;    ///< seconds: the time of that update, with or without a tick
+    bool has_sent = false;   ///< the driver tells what it last gave to the motors:
+    vec3<F> sent{F(0)};      ///< newtons, after all that changed it on the way; zero if none was given
+    DeviceTime<F> sent_at{}; ///< the time of that update, with or without a tick
 };
+using DeviceSample = BasicDeviceSample<double>;
 
 /// What to do until the next sample.
-struct DeviceCommand {
-    glm::dvec3 newtons{0.0}; ///< force on the hand
-    bool go_on = true;       ///< false: no force, and no further sample
+template <Real F>
+struct BasicDeviceCommand {
+    vec3<F> newtons{F(0)}; ///< force on the hand
+    bool go_on = true;     ///< false: no force, and no further sample
 };
+using DeviceCommand = BasicDeviceCommand<double>;
 
 /// A delay that the device does not tell. Not the same as none: what is stable without a delay need not be with one.
 inline constexpr int unknown_delay = -1;
 
 /// What a device can do. Zero where it does not tell, but for the delay.
-struct DeviceCapabilities {
-    double max_force = 0;      ///< N
-    double max_stiffness = 0;  ///< N/m, closed loop, as the maker recommends
-    double rate = 0;           ///< updates per second
-    double resolution = 0;     ///< metres, of one step of the position
-    glm::dvec3 workspace{0.0}; ///< metres, extent along x, y and z, centred on 0
+template <Real F>
+struct BasicDeviceCapabilities {
+    F max_force = 0;         ///< N
+    F max_stiffness = 0;     ///< N/m, closed loop, as the maker recommends
+    F rate = 0;              ///< updates per second
+    F resolution = 0;        ///< metres, of one step of the position
+    vec3<F> workspace{F(0)}; ///< metres, extent along x, y and z, centred on 0
     /// Updates from a sample to the first one that its force has acted on, less one; or `unknown_delay`.
     int delay = 0;
     /// N/ms: the steepest rise of the force that the device lets pass (HDAPI: HD_SOFTWARE_FORCE_IMPULSE_LIMIT).
-    double max_slew = 0;
+    F max_slew = 0;
 };
+using DeviceCapabilities = BasicDeviceCapabilities<double>;
 
 /// How a run of a device ended.
 enum class DeviceEnd : unsigned char {

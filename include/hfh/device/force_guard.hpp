@@ -22,8 +22,9 @@ struct GuardCounts {
 };
 
 /// What to send to the device, and which limits acted. After a trip the other limits are not reported.
-struct GuardedForce {
-    glm::dvec3 newtons{0.0};
+template <Real F>
+struct BasicGuardedForce {
+    vec3<F> newtons{F(0)};
     GuardTrip trip = GuardTrip::none; ///< the gravest cause in this update; if any, the force is zero
     bool latched = false;             ///< no cause now, but the guard waits for `rearm`; the force is zero
     bool clamped = false;             ///< was longer than max_force
@@ -32,6 +33,7 @@ struct GuardedForce {
     bool slewed = false;              ///< max_slew keeps it from the target
     bool released = false;            ///< `DeviceSample::release` is asked for, and the force is zero
 };
+using GuardedForce = BasicGuardedForce<double>;
 
 /// Limits a force, in this order: length, sudden rises, ramp, slew. With F the force asked for and F′ the force that the
 /// motors got last,
@@ -89,18 +91,28 @@ struct GuardedForce {
 /// update after `rearm`). A bad sample is not remembered: the first good one after it is compared with the last good one.
 /// Any other sample is what the next one is compared with (`SampleCheck`).
 ///
+/// F is what it computes in: double (`ForceGuard`), or float where the processor has no double. In float, times are whole
+/// numbers (`Nanoseconds`), so they are as exact after days as in the first second, and what is said above holds to some
+/// roundings: the force to 10⁻⁶ of max_force, a jump to 10⁻⁶ of the move and a rounding of the position, 0.1 µm at a metre. A
+/// rest is one of positions as a float has them. A ramp of more than 10⁷ updates would never end.
+///
 /// Holds under -ffast-math: nothing depends on a comparison with a NaN. Does not throw and does not allocate.
-class ForceGuard {
+template <Real F>
+class BasicForceGuard {
 public:
-    ForceGuard() noexcept : ForceGuard{GuardLimits{}} {}
-    explicit ForceGuard(const GuardLimits& limits) noexcept : limits_{limits}, usable_{is_usable(limits)} {}
+    using Scalar = F;
+    using Sample = BasicDeviceSample<F>;
+    using Limits = BasicGuardLimits<F>;
+
+    BasicForceGuard() noexcept : BasicForceGuard{Limits{}} {}
+    explicit BasicForceGuard(const Limits& limits) noexcept : limits_{limits}, usable_{is_usable(limits)} {}
 
     /// One update: `newtons` is the force that the scene asks for at this sample; `buried`: the contact's status is buried.
-    [[nodiscard]] GuardedForce update(const DeviceSample& sample, const glm::dvec3& newtons,
-                                      bool buried = false) noexcept {
+    [[nodiscard]] BasicGuardedForce<F> update(const Sample& sample, const vec3<F>& newtons,
+                                              bool buried = false) noexcept {
         Step step;
         const unsigned causes = find_causes(sample, newtons, buried, step);
-        GuardedForce result;
+        BasicGuardedForce<F> result;
         for (int k = guard_trip_count; k-- > 1;) {
             if ((causes >> k & 1u) == 0) continue;
             result.trip = static_cast<GuardTrip>(k);
@@ -123,14 +135,14 @@ public:
         return result;
     }
 
-    /// What the motors got in place of the last force, in the update at `time` (s), whether `update` was called in it or
+    /// What the motors got in place of the last force, in the update at `time`, whether `update` was called in it or
     /// not. A force that is no number counts as zero. After a time that is no number, or later than the next sample, the
     /// force may not rise in that sample's update. Not needed where the driver fills `DeviceSample::sent`.
-    void sent(const glm::dvec3& newtons, double time) noexcept {
-        sent_ = detail::is_tame(newtons) ? newtons : glm::dvec3{0.0};
-        const double length = detail::norm(sent_);
+    void sent(const vec3<F>& newtons, DeviceTime<F> time) noexcept {
+        sent_ = detail::is_tame(newtons) ? newtons : vec3<F>{0};
+        const F length = detail::norm(sent_);
         if (length > limits_.max_force) sent_ *= limits_.max_force / length;
-        sent_at_ = detail::is_tame(time) ? std::max(sent_at_, time) : latest;
+        sent_at_ = detail::is_tame(time) ? std::max(sent_at_, time) : detail::latest_time<F>();
     }
 
     /// After a trip with `latch`: lets the force come back, by the ramp, once there is no cause.
@@ -138,30 +150,28 @@ public:
 
     /// Starts from zero force and the ramp, as at the beginning: after a clutch, or when the scene is replaced.
     void restart() noexcept {
-        sent_ = glm::dvec3{0.0};
+        sent_ = vec3<F>{0};
         gain_ = 0;
         fresh_ = true;
     }
 
-    [[nodiscard]] const GuardLimits& limits() const noexcept { return limits_; }
+    [[nodiscard]] const Limits& limits() const noexcept { return limits_; }
     [[nodiscard]] const GuardCounts& counts() const noexcept { return counts_; }
 
 private:
     /// What happened between two updates.
     struct Step {
-        double passed = 0;   ///< s since the sample before
-        double held = 0;     ///< s for which the motors have had the last force
-        double moved = 0;    ///< m
+        F passed = 0;        ///< s since the sample before
+        F held = 0;          ///< s for which the motors have had the last force
+        F moved = 0;         ///< m
         bool rested = false; ///< the place has been the same for max_gap
     };
 
-    static constexpr double latest = 0x1p64; ///< s: later than any sample
-
     static constexpr unsigned bit(GuardTrip trip) noexcept { return 1u << static_cast<unsigned>(trip); }
-    [[nodiscard]] static bool is_zero(const glm::dvec3& p) noexcept { return p == glm::dvec3{0.0}; }
+    [[nodiscard]] static bool is_zero(const vec3<F>& p) noexcept { return p == vec3<F>{0}; }
 
     /// All causes in this update, as bits; remembers the sample if it is good.
-    [[nodiscard]] unsigned find_causes(const DeviceSample& sample, const glm::dvec3& newtons, bool buried,
+    [[nodiscard]] unsigned find_causes(const Sample& sample, const vec3<F>& newtons, bool buried,
                                        Step& step) noexcept {
         unsigned causes = 0;
         if (!usable_) causes |= bit(GuardTrip::bad_limits);
@@ -170,48 +180,50 @@ private:
         if (buried) causes |= bit(GuardTrip::buried);
         const bool good_time = detail::is_tame(sample.time), good_place = detail::is_tame(sample.position);
         if (!good_time || !good_place) {
-            sent_at_ = latest; // the motors get zero, and no sample tells since when
+            sent_at_ = detail::latest_time<F>(); // the motors get zero, and no sample tells since when
             return causes | bit(GuardTrip::bad_sample);
         }
         if (!usable_) return causes;
 
         if (sample.has_sent) sent(sample.sent, sample.sent_at);
-        const CheckedSample told = check_.update(limits_, sample.time, sample.position);
+        const BasicCheckedSample<F> told = check_.update(limits_, sample.time, sample.position);
         if (told.stale) causes |= bit(GuardTrip::stale);
         if (told.repeated) causes |= bit(GuardTrip::repeated);
         if (told.jump) causes |= bit(GuardTrip::jump);
         step.passed = told.passed;
-        step.held = std::clamp(check_.time() - sent_at_, 0.0, told.passed);
+        const DeviceTime<F> now = check_.time();
+        step.held = std::clamp(detail::seconds_between(sent_at_, now), F(0), told.passed);
         step.moved = told.moved;
         step.rested = told.rested >= limits_.max_gap;
         // A told time later than this sample's is kept if a stamp out of order explains it; else it was for this update only.
-        const double now = check_.time(), max_back = limits_.max_gap;
-        sent_at_ = sent_at_ > now && sent_at_ - now <= max_back ? sent_at_ : now;
+        const F max_back = limits_.max_gap;
+        sent_at_ = sent_at_ > now && detail::seconds_between(now, sent_at_) <= max_back ? sent_at_ : now;
         return causes;
     }
 
     /// The share of the ramp, 0 to 1, that passes in these seconds.
-    [[nodiscard]] double ramp_in(double seconds) const noexcept {
-        return limits_.ramp > seconds ? seconds / limits_.ramp : 1.0;
+    [[nodiscard]] F ramp_in(F seconds) const noexcept {
+        return limits_.ramp > seconds ? seconds / limits_.ramp : F(1);
     }
 
-    void limit(const glm::dvec3& newtons, const Step& step, bool release, GuardedForce& result) noexcept {
-        const double length = detail::norm(newtons);
+    void limit(const vec3<F>& newtons, const Step& step, bool release,
+               BasicGuardedForce<F>& result) noexcept {
+        const F length = detail::norm(newtons);
         result.clamped = length > limits_.max_force;
-        const double clamped = result.clamped ? limits_.max_force : length;
-        const double shortened = result.clamped ? clamped / length : 1.0;
-        const double held = hold_back(newtons * shortened, clamped, step);
+        const F clamped = result.clamped ? limits_.max_force : length;
+        const F shortened = result.clamped ? clamped / length : F(1);
+        const F held = hold_back(newtons * shortened, clamped, step);
         result.held_back = held > 0;
 
-        const double change = ramp_in(step.passed);
-        gain_ = std::clamp(gain_ + (release ? -change : change), 0.0, 1.0);
+        const F change = ramp_in(step.passed);
+        gain_ = std::clamp(gain_ + (release ? -change : change), F(0), F(1));
         result.ramped = gain_ < 1 && length > 0;
 
         // Divided only where something is shortened, so that any other force is passed on to the bit.
         const bool shorter = result.clamped || result.held_back;
-        const glm::dvec3 target = newtons * (shorter ? (clamped - held) / length : 1.0) * gain_;
-        const glm::dvec3 way = target - sent_;
-        const double wanted = detail::norm(way), allowed = 1000 * limits_.max_slew * step.held;
+        const vec3<F> target = newtons * (shorter ? (clamped - held) / length : F(1)) * gain_;
+        const vec3<F> way = target - sent_;
+        const F wanted = detail::norm(way), allowed = 1000 * limits_.max_slew * step.held;
         result.slewed = wanted > allowed;
         sent_ = result.slewed ? sent_ + way * (allowed / wanted) : target;
         result.newtons = sent_;
@@ -222,46 +234,47 @@ private:
     }
 
     /// N by which this force, of `length` N, has to be shorter in this update for its sudden rises.
-    [[nodiscard]] double hold_back(const glm::dvec3& newtons, double length, const Step& step) noexcept {
+    [[nodiscard]] F hold_back(const vec3<F>& newtons, F length, const Step& step) noexcept {
         if (fresh_ || !(limits_.ramp > 0)) {
             owed_ = unused_ = 0; // the ramp's factor limits the rise, or nothing does
         } else {
-            const double paid = limits_.max_force * ramp_in(step.passed);
-            const double rise = length - asked_before(newtons, length, step.rested);
-            const double made = limits_.stiffness * step.moved;
-            const double sudden = rise < 0 ? rise : std::max(0.0, rise - made - unused_);
-            owed_ = std::clamp(std::max(0.0, owed_ - paid) + sudden, 0.0, length);
-            unused_ = std::clamp(made - rise, 0.0, made);
+            const F paid = limits_.max_force * ramp_in(step.passed);
+            const F rise = length - asked_before(newtons, length, step.rested);
+            const F made = limits_.stiffness * step.moved;
+            const F sudden = rise < 0 ? rise : std::max(F(0), rise - made - unused_);
+            owed_ = std::clamp(std::max(F(0), owed_ - paid) + sudden, F(0), length);
+            unused_ = std::clamp(made - rise, F(0), made);
         }
         fresh_ = false;
         asked_ = newtons;
         asked_length_ = length;
-        return std::max(0.0, owed_ - limits_.max_sudden);
+        return std::max(F(0), owed_ - limits_.max_sudden);
     }
 
     /// N from which this force rises: the length of the one before, or where no hand turned it, what that had along this one.
-    [[nodiscard]] double asked_before(const glm::dvec3& newtons, double length, bool rested) const noexcept {
+    [[nodiscard]] F asked_before(const vec3<F>& newtons, F length, bool rested) const noexcept {
         if (!rested || !(length > 0)) return asked_length_;
-        const glm::dvec3 products = asked_ * newtons;
-        const double along = std::max(0.0, (products.x + products.y + products.z) / length);
+        const vec3<F> products = asked_ * newtons;
+        const F along = std::max(F(0), (products.x + products.y + products.z) / length);
         return asked_length_ - along > limits_.max_sudden ? along : asked_length_;
     }
 
-    GuardLimits limits_;
+    Limits limits_;
     GuardCounts counts_{};
-    SampleCheck check_{};
-    glm::dvec3 sent_{0.0};    ///< N: what the motors got last
-    double sent_at_ = 0;      ///< s: the time of the update in which they did
-    double gain_ = 0;         ///< of the ramp, 0 to 1
-    glm::dvec3 asked_{0.0};   ///< N: asked for last, shortened to max_force
-    double asked_length_ = 0; ///< N: its length
-    double unused_ = 0;       ///< N: rise that the hand's last motion explains and that did not come
-    double owed_ =
-        0; ///< N: of what was asked for, rise that no motion explains and the ramp has not yet brought
+    BasicSampleCheck<F> check_{};
+    vec3<F> sent_{F(0)};      ///< N: what the motors got last
+    DeviceTime<F> sent_at_{}; ///< the time of the update in which they did
+    F gain_ = 0;              ///< of the ramp, 0 to 1
+    vec3<F> asked_{F(0)};     ///< N: asked for last, shortened to max_force
+    F asked_length_ = 0;      ///< N: its length
+    F unused_ = 0;            ///< N: rise that the hand's last motion explains and that did not come
+    /// N: of what was asked for, rise that no motion explains and the ramp has not yet brought
+    F owed_ = 0;
     unsigned causes_ = 0; ///< of the last update, as bits
     bool usable_, latched_ = false;
     bool fresh_ = true; ///< nothing was asked for before
 };
+using ForceGuard = BasicForceGuard<double>;
 static_assert(sizeof(ForceGuard) <= 320 || sizeof(glm::dvec3) > 3 * sizeof(double),
               "limits, counts and state: five cache lines");
 

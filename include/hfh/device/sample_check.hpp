@@ -10,12 +10,14 @@
 namespace hfh {
 
 /// What a sample told.
-struct CheckedSample {
+template <Real F>
+struct BasicCheckedSample {
     bool stale = false, repeated = false, jump = false;
-    double passed = 0; ///< s since the latest sample before; 0 if its time is not later
-    double moved = 0;  ///< m since the sample before
-    double rested = 0; ///< s for which the place has been the same, to the bit
+    F passed = 0; ///< s since the latest sample before; 0 if its time is not later
+    F moved = 0;  ///< m since the sample before
+    F rested = 0; ///< s for which the place has been the same, to the bit
 };
+using CheckedSample = BasicCheckedSample<double>;
 
 /// Checks samples one after the other: `stale`, `repeated`, `jump` as in `GuardTrip`.
 ///
@@ -53,12 +55,13 @@ struct CheckedSample {
 /// sample that jumps or is stale.
 ///
 /// Precondition: usable limits, tame numbers. Does not throw and does not allocate.
-class SampleCheck {
+template <Real F>
+class BasicSampleCheck {
 public:
-    [[nodiscard]] CheckedSample update(const GuardLimits& limits, double time,
-                                       const glm::dvec3& position) noexcept {
-        CheckedSample told;
-        const double window = limits.max_gap;
+    [[nodiscard]] BasicCheckedSample<F> update(const BasicGuardLimits<F>& limits, DeviceTime<F> time,
+                                               const vec3<F>& position) noexcept {
+        BasicCheckedSample<F> told;
+        const F window = limits.max_gap;
         if (!started_) {
             started_ = true;
             time_ = changed_at_ = time;
@@ -67,12 +70,11 @@ public:
             period_ = limits.period > 0 ? std::min(limits.period, window) : window;
             return told;
         }
-        const double passed = time - time_;
-        // Two stamps, each rounded to the nearest double.
-        const double max_gap = limits.max_gap + epsilon<double> * (std::abs(time) + std::abs(time_));
-        const double max_back = max_gap;
+        const F passed = detail::seconds_between(time_, time);
+        const F max_gap = limits.max_gap + detail::stamp_rounding(time, time_, limits.max_gap);
+        const F max_back = max_gap;
         told.stale = passed > max_gap || passed < -max_back;
-        told.passed = std::max(0.0, passed);
+        told.passed = std::max(F(0), passed);
         told.moved = detail::norm(position - position_);
 
         if (passed > 0 || told.stale)
@@ -83,50 +85,51 @@ public:
         if (passed > 0 || told.stale) time_ = time;
 
         reserve_ = std::min(window, reserve_ + told.passed);
-        scatter_ *= std::max(0.0, 1 - told.passed / (6 * window));
+        scatter_ *= std::max(F(0), 1 - told.passed / (6 * window));
         if (position != position_) {
-            const double unchanged = time_ - changed_at_;
+            const F unchanged = detail::seconds_between(changed_at_, time_);
             const bool rested = waited_ && unchanged > window;
-            const double since = std::min(rested ? told.passed : unchanged, window);
-            const double seconds = std::min(std::max(since, period_) + scatter_, reserve_);
+            const F since = std::min(rested ? told.passed : unchanged, window);
+            const F seconds = std::min(std::max(since, period_) + scatter_, reserve_);
             told.jump = told.moved > limits.max_step + limits.max_speed * seconds;
             const bool sure = !waited_ || (!rested && told.moved > limits.max_step);
             if (sure && !told.jump && !told.stale) learn(since);
-            reserve_ = std::max(0.0, reserve_ - told.moved / limits.max_speed);
+            reserve_ = std::max(F(0), reserve_ - told.moved / limits.max_speed);
             waited_ = false;
             changed_at_ = time_;
             position_ = position;
         } else {
             waited_ = true;
         }
-        told.rested = time_ - changed_at_;
+        told.rested = detail::seconds_between(changed_at_, time_);
         const bool still = limits.max_still > 0 && told.rested > limits.max_still;
         told.repeated = repeats_ > limits.max_repeats || still;
         return told;
     }
 
     /// The next sample is compared with nothing, like the first.
-    void forget() noexcept { *this = SampleCheck{}; }
+    void forget() noexcept { *this = BasicSampleCheck{}; }
 
-    /// s: the time of the latest sample.
-    [[nodiscard]] double time() const noexcept { return time_; }
+    /// The time of the latest sample.
+    [[nodiscard]] DeviceTime<F> time() const noexcept { return time_; }
 
 private:
-    void learn(double since) noexcept {
+    void learn(F since) noexcept {
         scatter_ = std::max(2 * std::abs(since - period_), scatter_);
         period_ += (since - period_) / 16;
     }
 
-    double time_ = 0;       ///< s: the latest so far
-    double changed_at_ = 0; ///< s: when the place changed last
-    double period_ = 0;     ///< s: P, the mean interval of changes
-    double scatter_ = 0;    ///< s
-    double reserve_ = 0;    ///< s
-    glm::dvec3 position_{0.0};
+    DeviceTime<F> time_{};       ///< the latest so far
+    DeviceTime<F> changed_at_{}; ///< when the place changed last
+    F period_ = 0;               ///< s: P, the mean interval of changes
+    F scatter_ = 0;              ///< s
+    F reserve_ = 0;              ///< s
+    vec3<F> position_{F(0)};
     int repeats_ = 0; ///< updates since time last went on
     bool started_ = false;
     bool waited_ = false; ///< there was a sample since the place changed
 };
+using SampleCheck = BasicSampleCheck<double>;
 
 } // namespace hfh
 

@@ -4,6 +4,7 @@
 #include <hfh/geometry/scalar.hpp>
 
 #include <glm/ext/matrix_double3x3.hpp>
+#include <glm/ext/matrix_float3x3.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -14,11 +15,13 @@
 namespace hfh {
 
 /// terrain = offset + scale · rotation · hand.
-struct WorkspaceFrame {
-    double scale = 1;         ///< metres of terrain per metre of hand, > 0
-    glm::dmat3 rotation{1.0}; ///< proper: RᵀR = I, det R = +1
-    glm::dvec3 offset{0.0};   ///< metres: where the middle of the device's workspace is on the terrain
+template <Real F>
+struct BasicWorkspaceFrame {
+    F scale = 1;                      ///< metres of terrain per metre of hand, > 0
+    glm::mat<3, 3, F> rotation{F(1)}; ///< proper: RᵀR = I, det R = +1
+    vec3<F> offset{F(0)}; ///< metres: where the middle of the device's workspace is on the terrain
 };
+using WorkspaceFrame = BasicWorkspaceFrame<double>;
 
 enum class WorkspaceStatus : unsigned char {
     ok,
@@ -38,15 +41,16 @@ enum class WorkspaceStatus : unsigned char {
 }
 
 /// What is wrong with a frame, if anything.
-[[nodiscard]] inline WorkspaceStatus check(const WorkspaceFrame& frame) noexcept {
+template <Real F = double>
+[[nodiscard]] WorkspaceStatus check(const BasicWorkspaceFrame<F>& frame) noexcept {
     if (!is_finite(frame.scale) || !(frame.scale > 0)) return WorkspaceStatus::bad_scale;
-    const glm::dmat3& r = frame.rotation;
+    const glm::mat<3, 3, F>& r = frame.rotation;
     for (glm::length_t i = 0; i < 3; ++i) {
         if (!is_finite(r[i])) return WorkspaceStatus::bad_rotation;
         for (glm::length_t j = 0; j < 3; ++j) {
             // A rotation that was worked out in float is good enough.
-            const double error = glm::dot(r[i], r[j]) - (i == j ? 1 : 0);
-            if (!(std::abs(error) <= 8 * static_cast<double>(epsilon<float>)))
+            const F error = glm::dot(r[i], r[j]) - (i == j ? 1 : 0);
+            if (!(std::abs(error) <= 8 * static_cast<F>(epsilon<float>)))
                 return WorkspaceStatus::bad_rotation;
         }
     }
@@ -54,12 +58,18 @@ enum class WorkspaceStatus : unsigned char {
     return is_finite(frame.offset) ? WorkspaceStatus::ok : WorkspaceStatus::bad_offset;
 }
 
-/// The level of detail, any number, on which a cell measures `cell_in_hand` metres in the hand: log₂(cell_in_hand·scale/cell).
-/// `scale` is that of a workspace, `cell` the width in metres of a cell of level 0. Finer cells are noise for a hand, which
-/// resolves about half a millimetre. Below 0 where even the finest cells are wider than that; `BlendedField::set_level` takes
-/// the nearest level that there is.
+/// The level of detail, any number, on which a cell measures about `cell_in_hand` metres in the hand. `scale` is that of a
+/// workspace, `cell` the width in metres of a cell of level 0. Finer cells are noise for a hand, which resolves about half a
+/// millimetre. Below 0 where even the finest cells are wider than that; `BlendedField::set_level` takes the nearest level
+/// that there is.
+///
+/// log₂(cell_in_hand·scale/cell) where that is a whole number, and between two of them on the curve 3α² − 2α³ (within 7 % of
+/// `cell_in_hand`): the ground stands still for a moment at each whole level. There the blend turns to a neighbour whose
+/// heights may be cells away, and slopes change fastest.
 [[nodiscard]] inline double suitable_level(double scale, double cell, double cell_in_hand = 0.5e-3) noexcept {
-    return std::log2(cell_in_hand * scale / cell);
+    const double level = std::log2(cell_in_hand * scale / cell), whole = std::floor(level),
+                 alpha = level - whole;
+    return whole + alpha * alpha * (3 - 2 * alpha);
 }
 
 /// Maps a device's workspace to the terrain, and forces back.
@@ -77,22 +87,25 @@ enum class WorkspaceStatus : unsigned char {
 /// ramp afterwards: `ForceGuard::restart`.
 ///
 /// A frame that `check` refuses is not used: the status says so, positions are mapped one to one, forces to zero.
-/// Computes in double, which resolves nanometres at 10⁷ m; T is the tracker's scalar. Does not throw, does not allocate.
-template <Real T>
+/// T is the tracker's scalar, F what this computes in: double, which resolves nanometres at 10⁷ m; or float, where the
+/// processor has no double and the terrain is near the origin, as for a `FloatLattice`. Does not throw, does not allocate.
+template <Real T, Real F = double>
+    requires std::same_as<F, double> || std::same_as<T, float>
 class Workspace {
 public:
     using Scalar = T;
+    using Frame = BasicWorkspaceFrame<F>;
 
-    explicit Workspace(const WorkspaceFrame& frame) noexcept : status_{check(frame)} {
+    explicit Workspace(const Frame& frame) noexcept : status_{check(frame)} {
         if (status_ == WorkspaceStatus::ok) frame_ = frame;
     }
 
     /// One update: the terrain position, in metres, of a hand at `hand`, in metres. A position that is not finite is mapped
     /// to one that is not finite, and changes no state.
-    [[nodiscard]] vec3<T> update(const glm::dvec3& hand, bool clutch = false) noexcept {
+    [[nodiscard]] vec3<T> update(const vec3<F>& hand, bool clutch = false) noexcept {
         if (is_finite(hand)) {
             if (clutch && !clutched_) held_ = to_terrain(hand);
-            const glm::dvec3 offset = held_ - turned(hand);
+            const vec3<F> offset = held_ - turned(hand);
             if (clutch && is_finite(offset)) frame_.offset = offset;
             clutched_ = clutch;
         }
@@ -106,11 +119,11 @@ public:
     /// to the proxy by as much as the terrain becomes stiffer. (Ask for `terrain_stiffness` and `terrain_force` again.) A free
     /// stylus zooms about itself and stays where it is. Refused, with nothing changed, if the scale or the point is no number
     /// or the offset would be none.
-    WorkspaceStatus zoom(double scale, const glm::dvec3& about) noexcept {
+    WorkspaceStatus zoom(F scale, const vec3<F>& about) noexcept {
         if (status_ != WorkspaceStatus::ok) return status_;
         if (!is_finite(scale) || !(scale > 0)) return WorkspaceStatus::bad_scale;
-        const double by = scale / frame_.scale;
-        const glm::dvec3 offset = about + (frame_.offset - about) * by, held = about + (held_ - about) * by;
+        const F by = scale / frame_.scale;
+        const vec3<F> offset = about + (frame_.offset - about) * by, held = about + (held_ - about) * by;
         if (!is_finite(offset) || !is_finite(held)) return WorkspaceStatus::bad_offset;
         frame_.scale = scale;
         frame_.offset = offset;
@@ -120,51 +133,49 @@ public:
 
     /// Moves the terrain position of every hand by so many metres: as the ground moves under it (`change_level`). Refused if
     /// the offset would be no number.
-    WorkspaceStatus move(const glm::dvec3& by) noexcept {
+    WorkspaceStatus move(const vec3<F>& by) noexcept {
         if (status_ != WorkspaceStatus::ok) return status_;
-        const glm::dvec3 offset = frame_.offset + by, held = held_ + by;
+        const vec3<F> offset = frame_.offset + by, held = held_ + by;
         if (!is_finite(offset) || !is_finite(held)) return WorkspaceStatus::bad_offset;
         frame_.offset = offset;
         held_ = held;
         return status_;
     }
 
-    [[nodiscard]] glm::dvec3 to_terrain(const glm::dvec3& hand) const noexcept {
+    [[nodiscard]] vec3<F> to_terrain(const vec3<F>& hand) const noexcept {
         return frame_.offset + turned(hand);
     }
-    [[nodiscard]] glm::dvec3 to_hand(const glm::dvec3& terrain) const noexcept {
+    [[nodiscard]] vec3<F> to_hand(const vec3<F>& terrain) const noexcept {
         return (terrain - frame_.offset) * frame_.rotation / frame_.scale;
     }
     /// m/s at the hand → m/s on the terrain; none while the clutch is held.
-    [[nodiscard]] vec3<T> velocity_on_terrain(const glm::dvec3& velocity) const noexcept {
+    [[nodiscard]] vec3<T> velocity_on_terrain(const vec3<F>& velocity) const noexcept {
         return clutched_ ? vec3<T>{0} : vec3<T>{turned(velocity)};
     }
     /// N on the terrain → N at the hand: s · Rᵀ · F. None if that is not finite.
-    [[nodiscard]] glm::dvec3 force_at_hand(const vec3<T>& newtons) const noexcept {
-        const glm::dvec3 at_hand = frame_.scale * (widen(newtons) * frame_.rotation);
-        return status_ == WorkspaceStatus::ok && is_finite(at_hand) ? at_hand : glm::dvec3{0.0};
+    [[nodiscard]] vec3<F> force_at_hand(const vec3<T>& newtons) const noexcept {
+        const vec3<F> at_hand = frame_.scale * (detail::widen_to<F>(newtons) * frame_.rotation);
+        return status_ == WorkspaceStatus::ok && is_finite(at_hand) ? at_hand : vec3<F>{0};
     }
     /// The terrain's stiffness, N/m (or damping, N·s/m), for this one at the hand: k/s². Where that is more than T holds it
     /// is ∞, for which a `ForceEvaluator` gives no force.
-    [[nodiscard]] T terrain_stiffness(double at_hand) const noexcept {
+    [[nodiscard]] T terrain_stiffness(F at_hand) const noexcept {
         return static_cast<T>(at_hand / frame_.scale / frame_.scale);
     }
     /// A limit on the force at the hand, in N, as one on the terrain: F/s.
-    [[nodiscard]] T terrain_force(double at_hand) const noexcept {
-        return static_cast<T>(at_hand / frame_.scale);
-    }
+    [[nodiscard]] T terrain_force(F at_hand) const noexcept { return static_cast<T>(at_hand / frame_.scale); }
 
     [[nodiscard]] WorkspaceStatus status() const noexcept { return status_; }
-    [[nodiscard]] const WorkspaceFrame& frame() const noexcept { return frame_; }
+    [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
     [[nodiscard]] bool clutched() const noexcept { return clutched_; }
 
 private:
-    [[nodiscard]] glm::dvec3 turned(const glm::dvec3& hand) const noexcept {
+    [[nodiscard]] vec3<F> turned(const vec3<F>& hand) const noexcept {
         return frame_.scale * (frame_.rotation * hand);
     }
 
-    WorkspaceFrame frame_{};
-    glm::dvec3 held_{0.0}; ///< clutched: the terrain position
+    Frame frame_{};
+    vec3<F> held_{F(0)}; ///< clutched: the terrain position
     WorkspaceStatus status_;
     bool clutched_ = false;
 };

@@ -34,7 +34,7 @@ struct DistanceFunction {
     T gradient_error_u,
         gradient_error_v; ///< bounds of the rounding of F_u and F_v: a smaller one counts as zero
 
-    [[gnu::always_inline]] DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
+    [[HFH_ALWAYS_INLINED]] DistanceFunction(const BilinearPatch<T>& patch, const CellPoint<T>& query) noexcept
         : gap00{patch.p00 - query.z}, rise_u{patch.p10 - patch.p00}, rise_v{patch.p01 - patch.p00},
           far_u{patch.p11 - patch.p01}, far_v{patch.p11 - patch.p10}, twist{patch.twist()},
           dx2{patch.spacing.x * patch.spacing.x}, dy2{patch.spacing.y * patch.spacing.y}, query_u{query.u},
@@ -66,7 +66,7 @@ struct DistanceFunction {
         /// Determinant of Eq. (11), from the one above so that it does not cancel on steep ground.
         T determinant;
     };
-    [[nodiscard, gnu::always_inline]] Value operator()(T u, T v) const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] Value operator()(T u, T v) const noexcept {
         const T zu = slope_u(v), zv = slope_v(u), z = multiply_add(v, zv, multiply_add(u, rise_u, gap00));
         const T slopes = zu * zv, twisted = z * twist, fuu = dx2 + zu * zu, fvv = dy2 + zv * zv;
         const T gauss_newton = dx2 * fvv + dy2 * zu * zu;

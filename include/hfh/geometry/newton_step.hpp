@@ -18,7 +18,7 @@ struct ActiveSet {
     // Asks first where the point is and then for the sign of a slope: a branch on that sign would be mispredicted half of
     // the time.
     template <Real T>
-    [[gnu::always_inline]] ActiveSet(const DistanceFunction<T>& distance,
+    [[HFH_ALWAYS_INLINED]] ActiveSet(const DistanceFunction<T>& distance,
                                      const typename DistanceFunction<T>::Value& f, const vec2<T>& at) noexcept
         : descends_u{std::abs(f.fu) > distance.gradient_error_u}, descends_v{std::abs(f.fv) >
                                                                              distance.gradient_error_v},
@@ -52,7 +52,7 @@ enum class NewtonStep : unsigned char {
 /// along u or v alone can give. One that ends at a border may also lower F by a quarter of what its slope promises. F falls
 /// all along a step, or it could lead through a ridge (a tracker's proxy slides and must not).
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
+[[nodiscard, HFH_ALWAYS_INLINED]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
                                                                 const typename DistanceFunction<T>::Value& f,
                                                                 vec2<T>& at) noexcept;
 
@@ -67,7 +67,7 @@ struct ClippedStep {
 
 /// −(F'')⁻¹ F', the step to where Eq. (10) is zero if it were linear.
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline ClippedStep<T>
+[[nodiscard, HFH_ALWAYS_INLINED]] inline ClippedStep<T>
 clipped_newton_step(const typename DistanceFunction<T>::Value& f, const vec2<T>& at) noexcept {
     // The step times the determinant: where this meets a border is known without waiting for the quotient.
     const T way_u = f.fuv * f.fv - f.fvv * f.fu, way_v = f.fuv * f.fu - f.fuu * f.fv;
@@ -92,7 +92,7 @@ clipped_newton_step(const typename DistanceFunction<T>::Value& f, const vec2<T>&
 /// Whether F falls by enough: `change` < 0 is a quarter or more of the descent rate F_u²/F_uu + F_v²/F_vv, of which
 /// `scaled_rate` is F_uu F_vv times as much.
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline bool is_enough(const typename DistanceFunction<T>::Value& f,
+[[nodiscard, HFH_ALWAYS_INLINED]] inline bool is_enough(const typename DistanceFunction<T>::Value& f,
                                                         T change, T scaled_rate) noexcept {
     return 4 * change * f.fuu * f.fvv < -scaled_rate;
 }
@@ -101,7 +101,7 @@ template <Real T>
 /// rises too soon. `slope` is F' at its begin; `linear` and `quadratic` are the parts of the climb
 /// (`StepProfile`).
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline T
+[[nodiscard, HFH_ALWAYS_INLINED]] inline T
 falling_part(const DistanceFunction<T>& distance, const typename DistanceFunction<T>::Value& f,
              const ClippedStep<T>& step, T slope, T linear, T quadratic, T scaled_rate) noexcept {
     // Along Newton's step, as far as it is taken, `StepProfile::square` is −taken·slope/2. So this is F' at the end, and
@@ -121,7 +121,7 @@ falling_part(const DistanceFunction<T>& distance, const typename DistanceFunctio
 }
 
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
+[[nodiscard, HFH_ALWAYS_INLINED]] inline NewtonStep newton_step(const DistanceFunction<T>& distance,
                                                                 const typename DistanceFunction<T>::Value& f,
                                                                 vec2<T>& at) noexcept {
     if (!(f.determinant > f.gauss_newton / 2)) return NewtonStep::refused;

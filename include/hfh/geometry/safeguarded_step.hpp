@@ -94,8 +94,8 @@ template <Real T>
     const bool moves_u = active.may_move_u(), moves_v = active.may_move_v();
     const T u = moves_u ? glm::clamp(at.x - f.fu / f.fuu, T(0), T(1)) : at.x;
     const T v = moves_v ? glm::clamp(at.y - f.fv / f.fvv, T(0), T(1)) : at.y;
-    // So near a border that what a step there gains is no number.
-    const T hair = std::sqrt(std::numeric_limits<T>::min());
+    // So near a border that no other step can be compared with the one there: what it gains is less than the rounding of any.
+    constexpr T hair = epsilon<T>;
     if (moves_u && u == 0 && at.x < hair) return {u, at.y};
     if (moves_v && v == 0 && at.y < hair) return {at.x, v};
     const T gain_u = distance.change(f, u - at.x, T(0)), gain_v = distance.change(f, T(0), v - at.y);

@@ -19,6 +19,20 @@
 #include <limits>
 #include <type_traits>
 
+/// An attribute for what is inlined into each of its callers: that makes an update faster, and its code larger. Where code has
+/// to be small, which HFH_SMALL_CODE says or -Os, it is none, and the compiler decides. Results are the same either way.
+#if defined(HFH_SMALL_CODE) || defined(__OPTIMIZE_SIZE__)
+#define HFH_ALWAYS_INLINED
+namespace hfh::detail {
+inline constexpr bool small_code = true;
+}
+#else
+#define HFH_ALWAYS_INLINED gnu::always_inline
+namespace hfh::detail {
+inline constexpr bool small_code = false;
+}
+#endif
+
 namespace hfh {
 
 /// The scalars the library computes in.

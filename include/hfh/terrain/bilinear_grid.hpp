@@ -77,7 +77,7 @@ public:
     [[nodiscard]] constexpr CellRange cells() const noexcept { return cells_; }
 
     /// The patch over cell c; empty outside the grid and where a corner is a hole.
-    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         // One object for every return, so that it is made in place: a copy of an optional goes through memory.
         std::optional<BilinearPatch<T>> found;
         if (!cells_.contains(c)) return found;
@@ -98,7 +98,7 @@ public:
 
     /// Whether there are heights at all six corners, and all lie below z. See `CorneredHeightField`. Finds the lowest and
     /// the highest sample first and converts only these to metres, without a branch that depends on a sample.
-    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Vertex (&corners)[6],
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr bool corners_below(const Vertex (&corners)[6],
                                                                    T z) const noexcept {
         SampleType low = heights_(corners[0].i, corners[0].j), high = low;
         bool holes = false;

@@ -117,7 +117,7 @@ public:
     [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return fine_.lattice(); }
     [[nodiscard]] constexpr CellRange cells() const noexcept { return fine_.cells(); }
 
-    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         auto found = fine_.patch(c);
         if (!found || !blends_) return found;
         if (const auto coarse = coarse_.patch(cell_above(c))) [[likely]] {
@@ -129,7 +129,7 @@ public:
     }
 
     /// See `QuickHeightField`. Compares the samples of both levels, without blending them: the blend lies between them.
-    [[nodiscard, gnu::always_inline]] constexpr bool surely_below(Cell one, Cell other, T z) const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr bool surely_below(Cell one, Cell other, T z) const noexcept {
         const Cell above = cell_above(one), other_above = cell_above(other);
         // Four cells of level k lie in each of level k+1.
         const bool there = blends_ ? has_cells(coarse_, above, other_above) : has_cells(fine_, one, other);
@@ -168,7 +168,7 @@ private:
         if constexpr (std::is_integral_v<SampleType>) return static_cast<SampleType>(sample ^ turn_);
         return sample;
     }
-    [[gnu::always_inline]] constexpr void add(SampleBounds& bounds, const Heights& heights, Index i,
+    [[HFH_ALWAYS_INLINED]] constexpr void add(SampleBounds& bounds, const Heights& heights, Index i,
                                               Index j) const noexcept {
         const SampleType sample = heights(i, j), ordered = in_order(sample);
         bounds.holed |= heights.missing(sample);
@@ -179,7 +179,7 @@ private:
     }
     /// The corners of a cell and of its neighbour to the right or above, or of one cell given twice: which of these it is
     /// would be hard to predict, so always six.
-    [[gnu::always_inline]] constexpr void add_corners(SampleBounds& bounds, const Heights& heights, Cell one,
+    [[HFH_ALWAYS_INLINED]] constexpr void add_corners(SampleBounds& bounds, const Heights& heights, Cell one,
                                                       Cell other) const noexcept {
         add(bounds, heights, one.i, one.j);
         add(bounds, heights, one.i + 1, one.j + 1);
@@ -199,7 +199,7 @@ private:
 
     /// Blends corner number `corner` of a cell with the mean of the corners of level k+1 around it. The products of the mean
     /// are exact, and the blend is exact at α = 0 and α = 1 and never beyond either height.
-    [[nodiscard, gnu::always_inline]] constexpr T
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr T
     blended(T fine, const BilinearPatch<T>& coarse, const T (&weights)[4][4], int corner) const noexcept {
         const T mean = (weights[0][corner] * coarse.p00 + weights[1][corner] * coarse.p10) +
                        (weights[2][corner] * coarse.p01 + weights[3][corner] * coarse.p11);
@@ -207,7 +207,7 @@ private:
         return multiply_add(weight_, other - base, base);
     }
 
-    [[gnu::always_inline]] constexpr void blend(BilinearPatch<T>& fine, const BilinearPatch<T>& coarse,
+    [[HFH_ALWAYS_INLINED]] constexpr void blend(BilinearPatch<T>& fine, const BilinearPatch<T>& coarse,
                                                 Cell c) const noexcept {
         const auto& weights = detail::quarter_means<T>.weights[quarter(c)];
         // Side by side, so that a compiler makes vector code of the sums.
@@ -297,7 +297,7 @@ public:
     }
     /// The lowest and the highest sample of level 0 in the blocks of the pyramid in which these two lie: as large as they on
     /// even levels, twice as wide on odd ones. Precondition: there are such blocks.
-    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Block one,
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr HeightRange<T> block_range(int level, Block one,
                                                                            Block other) const noexcept {
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
         const int k = this->finer_level(), odd = k & 1;

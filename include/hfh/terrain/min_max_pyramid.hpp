@@ -216,7 +216,7 @@ public:
     }
 
     /// Of two blocks together. Precondition: there are both, and the status is ok.
-    [[nodiscard, gnu::always_inline]] constexpr Range range(int level, Block one,
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr Range range(int level, Block one,
                                                             Block other) const noexcept {
         return join(at(level, one), at(level, other));
     }
@@ -396,10 +396,10 @@ public:
 
     [[nodiscard]] constexpr const Lattice& lattice() const noexcept { return grid_.lattice(); }
     [[nodiscard]] constexpr CellRange cells() const noexcept { return grid_.cells(); }
-    [[nodiscard, gnu::always_inline]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr std::optional<BilinearPatch<T>> patch(Cell c) const noexcept {
         return grid_.patch(c);
     }
-    [[nodiscard, gnu::always_inline]] constexpr bool corners_below(const Vertex (&corners)[6],
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr bool corners_below(const Vertex (&corners)[6],
                                                                    T z) const noexcept {
         return grid_.corners_below(corners, z);
     }
@@ -411,7 +411,7 @@ public:
     }
     /// The lowest and the highest corner of the patches of two blocks, or of one twice, to the bit. Precondition: there are
     /// such blocks.
-    [[nodiscard, gnu::always_inline]] constexpr HeightRange<T> block_range(int level, Block one,
+    [[nodiscard, HFH_ALWAYS_INLINED]] constexpr HeightRange<T> block_range(int level, Block one,
                                                                            Block other) const noexcept {
         constexpr HeightRange<T> nothing{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
         const auto range = bounds_.range(level, one, other);

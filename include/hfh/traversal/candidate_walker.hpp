@@ -228,9 +228,10 @@ struct CellWalk {
             cell_coordinate(b.y, lattice.origin().y, lattice.spacing().y, lattice.cells_per_metre().y),
             b.y - a.y, lattice.spacing().y, lattice.cells_per_metre().y} {}
 
-    /// Goes to the first cell of the range, once, before anything else. False if the segment is never there.
-    [[nodiscard]] bool enter(const CellRange& range) noexcept {
-        F t_enter = 0, t_leave = 1;
+    /// Goes to the first cell of the range, once, before anything else; of those that the segment is in at `begin` or later.
+    /// False if the segment is never there.
+    [[nodiscard]] bool enter(const CellRange& range, F begin = 0) noexcept {
+        F t_enter = begin, t_leave = 1;
         if (range.empty() || !x.clip(range.begin.i, range.end.i, t_enter, t_leave) ||
             !y.clip(range.begin.j, range.end.j, t_enter, t_leave) || t_enter > t_leave) {
             return false;
@@ -277,7 +278,7 @@ private:
     }
 
     /// Computes where the segment is in the cell with which the traversal begins or goes on.
-    [[gnu::always_inline]] void locate_entry() noexcept {
+    [[HFH_ALWAYS_INLINED]] void locate_entry() noexcept {
         if (t == 0) { // no axis has been moved
             x.begin();
             y.begin();
@@ -287,7 +288,7 @@ private:
     }
 
     /// Where the segment leaves the current cell.
-    [[nodiscard, gnu::always_inline]] CellExit<F> next_exit() const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] CellExit<F> next_exit() const noexcept {
         CellExit<F> exit{glm::max(t, glm::min(glm::min(x.t_exit, y.t_exit), F(1))), in,
                          x.t_exit <= y.t_exit && x.t_exit <= 1, y.t_exit <= x.t_exit && y.t_exit <= 1};
         if (exit.over_x) {
@@ -304,7 +305,7 @@ private:
     }
 
     /// Goes over the line, or the vertex, into the next cell.
-    [[gnu::always_inline]] void cross(const CellExit<F>& exit) noexcept {
+    [[HFH_ALWAYS_INLINED]] void cross(const CellExit<F>& exit) noexcept {
         in = {exit.next_u(), exit.next_v()};
         if (exit.over_x) x.advance();
         if (exit.over_y) y.advance();

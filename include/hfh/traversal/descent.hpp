@@ -138,7 +138,7 @@ struct DistanceLeft {
 /// `descend`, from the start on or from where it was cut short. Inlined where it is the hot path, so that its result is not
 /// returned through memory.
 template <HeightField Field, class Way = AnyDistance>
-[[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
+[[nodiscard, HFH_ALWAYS_INLINED]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                const SurfacePoint<typename Field::Scalar>& start, int max_patches,
                DescentProgress<typename Field::Scalar>& progress, Way way = {}) noexcept;
@@ -231,7 +231,7 @@ struct SteepestPatch {
 /// Compares the neighbour's patch with the steepest so far, and keeps the steeper. Returns the descent rates into it, −1 if
 /// there is none.
 template <HeightField Field, Real T>
-[[gnu::always_inline]] inline vec2<T> keep_steeper(const Field& field, const vec3<T>& query,
+[[HFH_ALWAYS_INLINED]] inline vec2<T> keep_steeper(const Field& field, const vec3<T>& query,
                                                    const SurfacePoint<T>& at, Neighbour n,
                                                    SteepestPatch<T>& steepest) noexcept {
     ++steepest.patches;
@@ -334,7 +334,7 @@ enum class PatchEnd : unsigned char {
 /// Newton's method from `at` to the minimum of the patch or to its border. `f` and `active` are those of `at`, and again
 /// after PatchEnd::work_limit.
 template <Real T, class Way>
-[[nodiscard, gnu::always_inline]] inline PatchEnd
+[[nodiscard, HFH_ALWAYS_INLINED]] inline PatchEnd
 descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
                  typename DistanceFunction<T>::Value& f, ActiveSet& active, int& steps, int& patches,
                  int max_patches, Way& way) noexcept {
@@ -372,7 +372,7 @@ descend_in_patch(const DistanceFunction<T>& distance, SurfacePoint<T>& at,
 /// Goes on in the patch across the edge that was just reached, if F falls there and not back here. Most edges lie across
 /// the way, and then there is no need to compare all incident patches.
 template <HeightField Field, Real T>
-[[nodiscard, gnu::always_inline]] inline bool
+[[nodiscard, HFH_ALWAYS_INLINED]] inline bool
 cross_edge(const Field& field, const vec3<T>& query, SurfacePoint<T>& at, DistanceFunction<T>& distance,
            typename DistanceFunction<T>::Value& f, DescentProgress<T>& progress) noexcept {
     const bool over_u = at.u <= 0 || at.u >= 1;
@@ -410,7 +410,7 @@ cross_edge(const Field& field, const vec3<T>& query, SurfacePoint<T>& at, Distan
 
 /// Counts a visit to a border, |σ|² from the query. True if the point does not come nearer any more.
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline bool has_stalled(DescentProgress<T>& progress, Cell at,
+[[nodiscard, HFH_ALWAYS_INLINED]] inline bool has_stalled(DescentProgress<T>& progress, Cell at,
                                                           T squared) noexcept {
     if (squared < progress.nearest) {
         progress.nearest = squared;
@@ -424,7 +424,7 @@ template <Real T>
 /// Begins a descent at a point, |σ|² from the query, or takes it up where it was cut short. True if it goes on by comparing
 /// the incident patches.
 template <Real T>
-[[nodiscard, gnu::always_inline]] inline bool take_up(DescentProgress<T>& progress, const SurfacePoint<T>& at,
+[[nodiscard, HFH_ALWAYS_INLINED]] inline bool take_up(DescentProgress<T>& progress, const SurfacePoint<T>& at,
                                                       const ActiveSet& active, T squared) noexcept {
     // The point is no farther than it was on a border before, unless the ground was edited.
     if (progress.resume != DescentResume::start && squared > (1 + 8 * epsilon<T>)*progress.nearest)
@@ -434,7 +434,7 @@ template <Real T>
 
 /// Goes on in the steepest incident patch.
 template <Real T>
-[[gnu::always_inline]] inline void
+[[HFH_ALWAYS_INLINED]] inline void
 enter(const SteepestPatch<T>& steepest, SurfacePoint<T>& at, DistanceFunction<T>& distance,
       typename DistanceFunction<T>::Value& f, ActiveSet& active, int& steps) noexcept {
     if (steepest.point.cell == at.cell) return;
@@ -447,7 +447,7 @@ enter(const SteepestPatch<T>& steepest, SurfacePoint<T>& at, DistanceFunction<T>
 
 /// The result of a descent that ended at `at`.
 template <HeightField Field, Real T>
-[[nodiscard, gnu::always_inline]] inline DescentResult<T>
+[[nodiscard, HFH_ALWAYS_INLINED]] inline DescentResult<T>
 describe(const Field& field, const SurfacePoint<T>& at, const DistanceFunction<T>& distance, vec2<T> spacing,
          DescentStatus status, int patches) noexcept {
     const T x = spacing.x * (at.u - distance.query_u), y = spacing.y * (at.v - distance.query_v),
@@ -464,7 +464,7 @@ describe(const Field& field, const SurfacePoint<T>& at, const DistanceFunction<T
 }
 
 template <HeightField Field, class Way>
-[[nodiscard, gnu::always_inline]] inline DescentResult<typename Field::Scalar>
+[[nodiscard, HFH_ALWAYS_INLINED]] inline DescentResult<typename Field::Scalar>
 descend_inline(const Field& field, const vec3<typename Field::Scalar>& query,
                const SurfacePoint<typename Field::Scalar>& start, int max_patches,
                DescentProgress<typename Field::Scalar>& progress, Way way) noexcept {

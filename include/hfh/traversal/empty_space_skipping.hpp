@@ -22,33 +22,36 @@
 
 namespace hfh::detail {
 
+// Whether the major axis is that of x, `x_major`, is a `std::bool_constant`: the compiler makes two traversals of one text, and
+// neither asks for the axis. Where code has to be small it is a `bool`, and there is one.
+
 /// The numbers begin ≤ n < end.
 struct IndexRange {
     Index begin, end;
     [[nodiscard]] constexpr bool contains(Index n) const noexcept { return begin <= n && n < end; }
 };
 /// The part of a range of cells along the major and along the minor axis.
-template <bool x_major>
-[[nodiscard]] IndexRange major_range(const CellRange& cells) noexcept {
+template <class XMajor>
+[[nodiscard]] IndexRange major_range(XMajor x_major, const CellRange& cells) noexcept {
     return x_major ? IndexRange{cells.begin.i, cells.end.i} : IndexRange{cells.begin.j, cells.end.j};
 }
-template <bool x_major>
-[[nodiscard]] IndexRange minor_range(const CellRange& cells) noexcept {
-    return major_range<!x_major>(cells);
+template <class XMajor>
+[[nodiscard]] IndexRange minor_range(XMajor x_major, const CellRange& cells) noexcept {
+    return x_major ? IndexRange{cells.begin.j, cells.end.j} : IndexRange{cells.begin.i, cells.end.i};
 }
 /// The cell with these numbers along both axes.
-template <bool x_major>
-[[nodiscard]] constexpr Cell cell_at(Index major, Index minor) noexcept {
+template <class XMajor>
+[[nodiscard]] constexpr Cell cell_at(XMajor x_major, Index major, Index minor) noexcept {
     return x_major ? Cell{major, minor} : Cell{minor, major};
 }
 /// The vertex with these numbers along both axes.
-template <bool x_major>
-[[nodiscard]] constexpr Vertex vertex_at(Index major, Index minor) noexcept {
+template <class XMajor>
+[[nodiscard]] constexpr Vertex vertex_at(XMajor x_major, Index major, Index minor) noexcept {
     return x_major ? Vertex{major, minor} : Vertex{minor, major};
 }
 /// The block with these numbers along both axes.
-template <bool x_major>
-[[nodiscard]] constexpr Block block_at(Index major, Index minor) noexcept {
+template <class XMajor>
+[[nodiscard]] constexpr Block block_at(XMajor x_major, Index major, Index minor) noexcept {
     return x_major ? Block{major, minor} : Block{minor, major};
 }
 
@@ -159,34 +162,34 @@ template <HeightField Field, Real F>
 
 /// Whether all cells of a slab that the segment may touch have patches, which lie below it. `major` is their number along
 /// the major axis. Precondition: there are cells with that number.
-template <bool x_major, HeightField Field>
-[[nodiscard, gnu::always_inline]] inline bool
-slab_lies_below(const Field& field, Index major,
+template <class XMajor, HeightField Field>
+[[nodiscard, HFH_ALWAYS_INLINED]] inline bool
+slab_lies_below(XMajor x_major, const Field& field, Index major,
                 const typename SegmentProfile<FrameScalar<Field>>::SlabPart& part) noexcept {
     if constexpr (CorneredHeightField<Field>) {
         const Index first = part.begin, last = part.end - 1;
         if (last - first <= 1) {
-            if (!part.is_in(minor_range<x_major>(field.cells()))) return false;
+            if (!part.is_in(minor_range(x_major, field.cells()))) return false;
             // Two cells or one, which is hard to predict. So six corners, two of them twice where there is one.
             // Rounding keeps the order: what is not below z is not below z in T either.
             const Index next = major + 1;
-            return field.corners_below({vertex_at<x_major>(major, first), vertex_at<x_major>(next, first),
-                                        vertex_at<x_major>(major, last), vertex_at<x_major>(next, last),
-                                        vertex_at<x_major>(major, part.end),
-                                        vertex_at<x_major>(next, part.end)},
+            return field.corners_below({vertex_at(x_major, major, first), vertex_at(x_major, next, first),
+                                        vertex_at(x_major, major, last), vertex_at(x_major, next, last),
+                                        vertex_at(x_major, major, part.end),
+                                        vertex_at(x_major, next, part.end)},
                                        static_cast<typename Field::Scalar>(part.lowest));
         }
     }
     if constexpr (QuickHeightField<Field>) {
         const Index first = part.begin, last = part.end - 1;
         if (last - first <= 1 &&
-            field.surely_below(cell_at<x_major>(major, first), cell_at<x_major>(major, last),
+            field.surely_below(cell_at(x_major, major, first), cell_at(x_major, major, last),
                                static_cast<typename Field::Scalar>(part.lowest))) {
             return true;
         }
     }
     for (Index minor = part.begin; minor < part.end; ++minor) {
-        if (!lies_below(field, cell_at<x_major>(major, minor), part.lowest)) return false;
+        if (!lies_below(field, cell_at(x_major, major, minor), part.lowest)) return false;
     }
     return true;
 }
@@ -199,13 +202,13 @@ struct EmptySlabs {
 };
 
 /// Finds empty slabs along a segment, one group after the other.
-template <bool x_major, HeightField Field>
+template <class XMajor, HeightField Field>
 class EmptySpace {
 public:
     using F = FrameScalar<Field>;
 
-    EmptySpace(const Field& field, const SegmentProfile<F>& profile) noexcept
-        : field_{field}, profile_{profile} {
+    EmptySpace(XMajor x_major, const Field& field, const SegmentProfile<F>& profile) noexcept
+        : field_{field}, profile_{profile}, x_major_{x_major} {
         if constexpr (BoundedHeightField<Field>) {
             levels_ = field.levels();
             if (levels_ == 0) by_cells_until_ = std::numeric_limits<Index>::max() / 2; // beyond every slab
@@ -245,8 +248,8 @@ private:
         auto here = profile_.on_line(line);
         for (Index n = 0; n < count; ++n) {
             const auto there = profile_.on_line(++line);
-            if (!slab_lies_below<x_major>(field_, profile_.major_cell(begin + n),
-                                          profile_.between(here, there))) {
+            if (!slab_lies_below(x_major_, field_, profile_.major_cell(begin + n),
+                                 profile_.between(here, there))) {
                 return n;
             }
             here = there;
@@ -256,7 +259,7 @@ private:
 
     /// Adds the empty slabs before `by_cells_until_`, from slab `slab` on and of the next `left`. False if a slab is not
     /// empty: then the search is over.
-    [[nodiscard, gnu::always_inline]] bool add_by_cells(EmptySlabs& found, Index slab, Index left,
+    [[nodiscard, HFH_ALWAYS_INLINED]] bool add_by_cells(EmptySlabs& found, Index slab, Index left,
                                                         Index budget) const noexcept {
         if (found.side == Side::below) return false; // cells are compared from above only
         const Index wanted = glm::min(glm::min(by_cells_until_ - slab, left), glm::max<Index>(budget / 3, 1));
@@ -271,7 +274,7 @@ private:
 
     /// Adds the empty slabs as far as the next block of the level above, from slab `slab` on and of the next `left`. Goes
     /// one level up where all are empty, else one level down; from the lowest one to cells.
-    [[gnu::always_inline]] void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
+    [[HFH_ALWAYS_INLINED]] void add_by_blocks(EmptySlabs& found, Index slab, Index left) noexcept {
         const bool highest = level_ + 1 == levels_;
         const Index wanted = highest ? left : glm::min(slabs_left(level_ + 1, slab), left);
         const Index empty = empty_slabs(found, slab, wanted);
@@ -286,7 +289,7 @@ private:
     }
 
     /// `slabs_beside_blocks` on the side of what has been found; where that is not known yet, on either side.
-    [[nodiscard, gnu::always_inline]] Index empty_slabs(EmptySlabs& found, Index slab,
+    [[nodiscard, HFH_ALWAYS_INLINED]] Index empty_slabs(EmptySlabs& found, Index slab,
                                                         Index wanted) const noexcept {
         Index empty = found.side == Side::below
                           ? slabs_beside_blocks<Side::below>(slab, wanted, found.looked_at)
@@ -307,7 +310,7 @@ private:
     template <Side side>
     [[nodiscard]] Index slabs_beside_blocks(Index begin, Index count, Index& looked_at) const noexcept {
         const int shift = block_bits(level_);
-        const IndexRange cells = minor_range<x_major>(field_.cells());
+        const IndexRange cells = minor_range(x_major_, field_.cells());
         Index passed = 0, width = glm::min(slabs_left(level_, begin), count);
         Index major = profile_.major_cell(begin) >> shift;
         auto here = profile_.on_line(static_cast<F>(begin));
@@ -331,7 +334,7 @@ private:
 
     /// The heights of the blocks from `minor` to `last` of a slab of blocks. As blocks are as wide as they are long, these
     /// are one or two, which is hard to predict; three where the segment goes through a vertex.
-    [[nodiscard, gnu::always_inline]] auto heights_of_blocks(Index major, Index minor,
+    [[nodiscard, HFH_ALWAYS_INLINED]] auto heights_of_blocks(Index major, Index minor,
                                                              Index last) const noexcept {
         auto heights = heights_of_pair(major, minor, last);
         if (last - minor > 1) [[unlikely]] {
@@ -340,9 +343,9 @@ private:
         }
         return heights;
     }
-    [[nodiscard, gnu::always_inline]] auto heights_of_pair(Index major, Index one,
+    [[nodiscard, HFH_ALWAYS_INLINED]] auto heights_of_pair(Index major, Index one,
                                                            Index other) const noexcept {
-        return field_.block_range(level_, block_at<x_major>(major, one), block_at<x_major>(major, other));
+        return field_.block_range(level_, block_at(x_major_, major, one), block_at(x_major_, major, other));
     }
 
     /// log₂ of the cells along a side of a block.
@@ -359,34 +362,36 @@ private:
 
     const Field& field_;
     const SegmentProfile<F>& profile_;
+    [[no_unique_address]] XMajor x_major_;
     int level_ = 0, levels_ = 0;
     /// Slabs before this one are looked at cell by cell.
     Index by_cells_until_ = std::numeric_limits<Index>::min();
 };
 
 /// Visits the cells under a segment that goes a cell along its major axis or more, but for those in empty slabs. What is
-/// visited and what is passed over is in the order of the segment, from a on.
+/// visited and what is passed over is in the order of the segment, from `begin_at` on.
 ///
 /// `test` is the visitor, and says what may be passed over: `may_skip()`, `cells_left()` that it may still look at, and
 /// `side_at(t)` of what begins at t. It is told of what was: `count(cells)` looked at, and `pass(t, side)` for everything
 /// up to t, on one side of the surface. `az` and `bz` are the heights of the segment's ends.
-template <bool x_major, HeightField Field, class Test>
-void walk_with_skipping(const Field& field, const CellRange& range, CellWalk<FrameScalar<Field>>& walk,
+template <class XMajor, HeightField Field, class Test>
+void walk_with_skipping(XMajor x_major, const Field& field, const CellRange& range,
+                        CellWalk<FrameScalar<Field>>& walk, FrameScalar<Field> begin_at,
                         FrameScalar<Field> az, FrameScalar<Field> bz, Test& test) noexcept {
     using F = FrameScalar<Field>;
-    if (!walk.enter(range)) return;
+    if (!walk.enter(range, begin_at)) return;
     AxisWalk<F>&major = x_major ? walk.x : walk.y, &minor = x_major ? walk.y : walk.x;
     const SegmentProfile<F> profile{major, minor, az, bz};
-    const IndexRange majors = major_range<x_major>(range), minors = minor_range<x_major>(range);
+    const IndexRange majors = major_range(x_major, range), minors = minor_range(x_major, range);
     // Where the segment ends, and where it ends or leaves the range.
     const Index goal_end = profile.slab_of(major.goal_cell) + 1;
     const Index end = profile.slab_of(glm::clamp(major.goal_cell, majors.begin, majors.end - 1)) + 1;
     const auto cells_of_slabs = [&](Index slab, Index slab_end) {
         const Index a = profile.major_cell(slab), b = profile.major_cell(slab_end - 1);
-        return CellRange{cell_at<x_major>(glm::min(a, b), minors.begin),
-                         cell_at<x_major>(glm::max(a, b) + 1, minors.end)};
+        return CellRange{cell_at(x_major, glm::min(a, b), minors.begin),
+                         cell_at(x_major, glm::max(a, b) + 1, minors.end)};
     };
-    EmptySpace<x_major, Field> empty_space{field, profile};
+    EmptySpace<XMajor, Field> empty_space{x_major, field, profile};
     // Behind a slab that is not empty the next ones mostly are not either. So slabs are traversed in batches before empty
     // ones are looked for again, and each batch is twice as long until some are found.
     constexpr Index first_batch = 3;
@@ -423,7 +428,7 @@ template <Real F>
 /// lie below the segment; else 0. Nearly every update of a stylus in free flight ends here. It needs no exact numbers of
 /// cells: these are widened by more than the rounding of the exact traversal.
 template <HeightField Field>
-[[nodiscard, gnu::always_inline]] inline Index
+[[nodiscard, HFH_ALWAYS_INLINED]] inline Index
 cells_below_short_segment(const Field& field, const vec3<FrameScalar<Field>>& a,
                           const vec3<FrameScalar<Field>>& b) noexcept {
     using F = FrameScalar<Field>;

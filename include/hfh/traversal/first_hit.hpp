@@ -6,6 +6,7 @@
 #include <hfh/traversal/empty_space_skipping.hpp>
 
 #include <cmath>
+#include <type_traits>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.1. The paper takes the first candidate patch as
 // the place to start; here the first crossing itself is found, so that contact begins where the stylus met the
@@ -55,14 +56,18 @@ struct BasicFirstHitOptions {
     /// comes to be farther off on the other side, or ends there without having left, it hits where it entered the
     /// last cell. < 0: no.
     F leaves_within = -1;
-    /// The search stops before the next cell, but not before it has left a, where up to four cells meet, by a sixteenth
-    /// of a cell: so that going on from `point_on_segment(a, b, t)` with `side` gets on, and comes to the same end as one
-    /// search. One that is still `leaving` goes on with `leaves_within` too.
+    /// The search stops before the next cell, but not before it has got on by a sixteenth of a cell from where it began,
+    /// where up to four cells meet, and not between cells into which the segment comes at the same t.
     Index max_cells = std::numeric_limits<Index>::max();
+    /// Where on a → b, from 0 to 1, the search begins: the `t` of a search of the same segment that was cut short. With
+    /// the `side` of its result, and `leaves_within` if that was still `leaving`, it comes to the end of one search, to
+    /// the bit.
+    F begin_at = 0;
 };
 using FirstHitOptions = BasicFirstHitOptions<double>;
 
-/// The point of a → b at t, from which a search that was cut short goes on.
+/// The point of a → b at t: from there a search that was cut short goes on to another end. It is rounded, so a search to
+/// the same end goes on with `begin_at` instead.
 template <Real F>
 [[nodiscard]] inline vec3<F> point_on_segment(const vec3<F>& a, const vec3<F>& b, F t) noexcept {
     return a + t * (b - a);
@@ -106,13 +111,15 @@ struct CrossingTest {
     bool sheet = options.surface == SurfaceKind::sheet;
     bool leaving = options.leaves_within >= 0; ///< the segment has not got off the surface on which a lies
     bool under = false; ///< leaving: the segment leaves the last cell on the other side of the surface
-    F covered_to = 0;   ///< up to this t there were patches all along
+    F covered_to = options.begin_at; ///< up to this t there were patches all along
+    F last_begin =
+        options.begin_at; ///< the t at which the segment comes into the last cell that was looked at
 
     /// Tests the next cell; false if the search is over. Inlined, so that the span does not go through memory.
-    [[gnu::always_inline]] bool operator()(const BasicCellSpan<F>& span) noexcept {
+    [[HFH_ALWAYS_INLINED]] bool operator()(const BasicCellSpan<F>& span) noexcept {
         if (span.t_in > covered_to && !leaving) side = Side::none; // behind a hole
-        // Along a grid line the cell before this one may have settled part of the span, or all of it.
-        if (out_of_cells(glm::max(span.t_in, covered_to))) return false;
+        if (out_of_cells(span.t_in)) return false;
+        last_begin = span.t_in;
         ++result.cells;
         const auto found = field.patch(span.cell);
         if (!found) return true;
@@ -174,20 +181,22 @@ struct CrossingTest {
     }
 
 private:
-    /// Whether the search has to stop at t, for it has looked at as many cells as it may.
+    /// Whether the search has to stop at t, for it has looked at as many cells as it may. Not between two cells at the same
+    /// t: it would go on with the first of them again, knowing what it learned in it.
     [[nodiscard]] bool out_of_cells(F t) noexcept {
-        if (result.cells < options.max_cells || t >= 1 || !has_left(t)) return false;
+        if (result.cells < options.max_cells || t >= 1 || t <= last_begin || !has_got_on(t)) return false;
         result.status = HitStatus::cell_limit;
         result.t = t;
         return true;
     }
-    /// Whether the point at t is off a by a sixteenth of a cell, and a place of its own however it is rounded. A piece of a
-    /// search that ended nearer could begin again in the cell where this one began.
-    [[nodiscard]] bool has_left(F t) const noexcept {
+    /// Whether the point at t is off the one where the search began by a sixteenth of a cell, and a place of its own however
+    /// it is rounded. A piece of a search that ended nearer could begin again in the cell where this one began.
+    [[nodiscard]] bool has_got_on(F t) const noexcept {
         const vec2<F> per_metre = field.lattice().cells_per_metre();
-        const F x = t * (b.x - a.x), y = t * (b.y - a.y);
-        const bool by_x = std::abs(x) * per_metre.x >= F(0.0625) && a.x + x / 2 != a.x,
-                   by_y = std::abs(y) * per_metre.y >= F(0.0625) && a.y + y / 2 != a.y;
+        const vec3<F> begin = point_on_segment(a, b, options.begin_at);
+        const F on = t - options.begin_at, x = on * (b.x - a.x), y = on * (b.y - a.y);
+        const bool by_x = std::abs(x) * per_metre.x >= F(0.0625) && begin.x + x / 2 != begin.x,
+                   by_y = std::abs(y) * per_metre.y >= F(0.0625) && begin.y + y / 2 != begin.y;
         return by_x || by_y;
     }
 
@@ -255,11 +264,13 @@ template <HeightField Field>
     const CellRange range = field.cells();
     const vec2<F> length = length_in_cells<F>(field.lattice(), a, b);
     if (glm::max(length.x, length.y) < 2) {
-        if (walk.enter(range)) walk.visit(range, range, test);
+        if (walk.enter(range, options.begin_at)) walk.visit(range, range, test);
+    } else if constexpr (small_code) {
+        walk_with_skipping(length.x >= length.y, field, range, walk, options.begin_at, a.z, b.z, test);
     } else if (length.x >= length.y) {
-        walk_with_skipping<true>(field, range, walk, a.z, b.z, test);
+        walk_with_skipping(std::true_type{}, field, range, walk, options.begin_at, a.z, b.z, test);
     } else {
-        walk_with_skipping<false>(field, range, walk, a.z, b.z, test);
+        walk_with_skipping(std::false_type{}, field, range, walk, options.begin_at, a.z, b.z, test);
     }
     test.finish();
     return result;
@@ -274,7 +285,8 @@ HitOn<Field> first_hit(const Field& field, const vec3<FrameScalar<Field>>& a,
     using F = FrameScalar<Field>;
     // A segment of two cells or more is seldom in two by two: it does not ask.
     const vec2<F> length = detail::length_in_cells<F>(field.lattice(), a, b);
-    if (glm::max(length.x, length.y) < 2 && options.side != Side::below && options.max_cells >= 4) {
+    if (glm::max(length.x, length.y) < 2 && options.side != Side::below && options.max_cells >= 4 &&
+        options.begin_at == 0) {
         const Index cells = detail::cells_below_short_segment(field, a, b);
         if (cells > 0) return {.side = Side::above, .cells = cells};
     }

@@ -137,7 +137,7 @@ struct NearestSoFar {
 
 /// The closest point of the patch that is nearest in plan, and the side of a query over or under it; `none` beside it.
 template <Real T = double>
-[[nodiscard, gnu::always_inline]] inline RelativePatch::Foot closest_of_base(const RelativePatch& patch,
+[[nodiscard, HFH_ALWAYS_INLINED]] inline RelativePatch::Foot closest_of_base(const RelativePatch& patch,
                                                                              Side& side) noexcept {
     const auto at = patch.query();
     if (0 <= at.u && at.u <= 1 && 0 <= at.v && at.v <= 1) {
@@ -150,7 +150,7 @@ template <Real T = double>
 
 /// All of the result but status and work.
 template <HeightField Field>
-[[gnu::always_inline]] inline void
+[[HFH_ALWAYS_INLINED]] inline void
 describe_nearest(const Field& field, const vec3<typename Field::Scalar>& query, const NearestSoFar& nearest,
                  NearestPoint<typename Field::Scalar>& result) noexcept {
     using T = typename Field::Scalar;

@@ -48,7 +48,7 @@ public:
     [[nodiscard]] Index work_left() const noexcept { return work_left_; }
 
     /// The patch over a cell, seen from the query.
-    [[nodiscard, gnu::always_inline]] bool read(Cell cell, RelativePatch& seen) const noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] bool read(Cell cell, RelativePatch& seen) const noexcept {
         const auto patch = field_.patch(cell);
         if (!patch) return false;
         seen = {static_cast<double>(cell.i - base_.i) * dx_ - a_,
@@ -117,7 +117,7 @@ private:
         return true;
     }
     template <class Visitor>
-    [[nodiscard, gnu::always_inline]] bool look_at(Cell cell, Visitor& visit) noexcept {
+    [[nodiscard, HFH_ALWAYS_INLINED]] bool look_at(Cell cell, Visitor& visit) noexcept {
         if (!spend()) return false;
         RelativePatch seen;
         if (!read(cell, seen) || !(seen.box_squared() < reach_squared_)) return true;
