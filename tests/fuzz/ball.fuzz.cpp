@@ -28,8 +28,9 @@ using test::Wide;
 
 /// What fuzzing has found and is not mended yet: not reported again while true.
 struct Open {
-    /// A ball of less than a twentieth of a cell that goes few steps an update takes thousands of updates to arrive.
-    bool tiny_balls_creep = true;
+    /// Held still, a ball of less than a twentieth of a cell takes thousands of updates to arrive, and one that may look at no more than
+    /// one step takes may try the same step again and again.
+    bool rest = true;
 };
 constexpr Open open;
 
@@ -197,8 +198,7 @@ private:
     void rest() {
         const glm::dvec3 way = tracker_->centre() - widen(stylus_);
         const double cells = glm::length(way) / cell_ + 1;
-        const bool creeps = open.tiny_balls_creep && static_cast<double>(tracker_->radius()) < cell_ / 20;
-        if (!tame_ || creeps || !(cells < 200)) {
+        if (open.rest || !tame_ || !(cells < 200)) {
             update(stylus_);
             return;
         }

@@ -140,9 +140,14 @@ private:
         }
     }
     /// Whether what is on the way of a ball holds it, so that it cannot slide around. A sheet's ball may have got round a rim, where
-    /// one is in reach; and a flow that ends on a crest says nothing.
+    /// one is in reach; a solid that is met from over a hole or from beside it may hold nothing; and a flow that ends on a crest says nothing.
     [[nodiscard]] bool is_held_on_way(const BallUpdate<T>& now, const Point& to) const {
         if (now.kind == SurfaceKind::sheet && judge_.may_have_left(now)) return false;
+        constexpr int parts = 256;
+        for (int k = 0; k <= parts; ++k) {
+            const Point at = *now.last_centre + static_cast<Wide>(k) / parts * (to - *now.last_centre);
+            if (!judge_.ground().surface().height(at.x, at.y)) return false;
+        }
         const Flow flow = flow_of_ball(judge_.ground(), *now.last_centre, to, now.radius, now.kind, 5000);
         return flow.end == FlowEnd::minimum &&
                !(judge_.gain_nearby(flow.centre, to, now.radius, 1e-6L, 1e-3L * now.radius) > 0);
