@@ -1,12 +1,13 @@
 // The promises of the library at full count, with a line for each. Oracles as in the tests, which run a sample:
 //
 //     hfh_certify PART SCALAR SHARE      PART closest_point, steps, nearest, descent, flow, first_hit, tracker,
-//                                        ball, limited, flat or all
+//                                        ball, ball_sweep, limited, flat or all
 //                                        SCALAR float or double, SHARE of the full count, 1 for all of it
 //
 // Exits with 1 if a promise was broken.
 
 #include "support/ball_strokes.hpp"
+#include "support/ball_sweeps.hpp"
 #include "support/brute_force_hit.hpp"
 #include "support/hard_ground.hpp"
 #include "support/hard_patches.hpp"
@@ -495,6 +496,36 @@ void ball() {
         static_cast<double>(other) > allowed + 3 * std::sqrt(allowed));
 }
 
+/// Balls of 0.1 to 5 cells that move 0.1 to 100 cells in all directions, from anywhere and from where they touch: the first touch
+/// is neither late nor early, and a tracker's ball that is free stops there or slides on from there. Each terrain of the scenes
+/// with holes as well.
+template <Real T>
+void ball_sweep() {
+    const long count = counted(1e4);
+    std::uint64_t seed = 2000;
+    MovingBallTally tally;
+    const auto move = [&](const std::string& terrain, const Terrain<T>& ground, long share_of_count) {
+        move_balls<T>(terrain, ground, share_of_count, ++seed, tally);
+    };
+    each_terrain<T>([&](const char* terrain, const Terrain<T>& ground) { move(terrain, ground, count); });
+    for (const auto& scene : scenes<T>()) {
+        auto ground = scene.terrain;
+        punch_holes(ground, 8, 114);
+        move(std::string{scene.name} + " with holes", ground, count);
+    }
+    for (int kind = 0; kind < static_cast<int>(HardGround::no_data); ++kind) {
+        for (long n = 0; n * 100 < count; ++n) {
+            const std::string ground = "hard " + std::to_string(kind) + ' ' + std::to_string(n);
+            move(ground, *named_terrain<T>(ground), std::min(100L, count));
+        }
+    }
+    for (const auto& example : tally.examples) std::printf("  %s\n", example.c_str());
+    report("ball_sweep", name<T>,
+           text("%ld balls, %ld touches, %ld glide for too long to tell, %ld faults", tally.balls,
+                tally.touches, tally.unclear, tally.faults),
+           tally.faults);
+}
+
 /// Positions `deep` cells below the surface, `step` cells apart, of a hand that turns by up to `turn` at each; back from the
 /// rim. Where there is no surface, as low as before.
 template <Real T>
@@ -670,7 +701,8 @@ template <Real T>
     one("first_hit", first_crossing<T>);
     one("tracker", tracker<T>);
     // A ball computes places in double.
-    if constexpr (std::same_as<PlaceScalar<T>, double>) one("ball", ball<T>);
+    if constexpr (std::same_as<PlaceScalar<T>, double>)
+        one("ball", ball<T>), one("ball_sweep", ball_sweep<T>);
     one("limited", limited<T>);
     one("strokes", strokes<T>);
     one("flat", flat<T>);
@@ -686,7 +718,8 @@ int main(int argc, char** argv) {
         share > 0 && (scalar == "float" ? run<float>(argv[1]) : scalar == "double" && run<double>(argv[1]));
     if (!understood) {
         std::fputs("usage: hfh_certify "
-                   "closest_point|steps|nearest|descent|flow|first_hit|tracker|ball|limited|strokes|flat|all "
+                   "closest_point|steps|nearest|descent|flow|first_hit|tracker|ball|ball_sweep|limited|"
+                   "strokes|flat|all "
                    "float|double "
                    "SHARE\n",
                    stderr);

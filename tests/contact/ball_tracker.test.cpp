@@ -1,6 +1,8 @@
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/ball_strokes.hpp"
+#include "support/ball_sweeps.hpp"
+#include "support/counting_field.hpp"
 
 #include <hfh/contact/ball_tracker.hpp>
 
@@ -214,6 +216,71 @@ TEST_CASE("ball tracker: at the foot of a step and over a cliff", "[ball]") {
     CHECK(over.update({8, 10, 5}).status == ContactStatus::free);
 }
 
+TEST_CASE("ball tracker: a ball pushed clear of a thin ridge stays on its side of it", "[ball]") {
+    struct {
+        const char* terrain;
+        glm::dvec3 centre;
+        SurfacePoint<double> foot;
+        glm::dvec3 stylus;
+    } const cases[]{
+        {"checkerboard",
+         {11, 2.9999999999722808, 0.1668042184674654},
+         {{11, 3}, 0.055, 0.055},
+         {10.97707514571939, 8.2145371634091564, -2.3670479915867708}},
+        {"checkerboard",
+         {14.687902286381414, 9, 0.45550057839404356},
+         {{14, 9}, 0.69, 0.06},
+         {9.8408118480019375, 10.11994417841405, -4.0247999931837075}},
+    };
+    for (const auto& c : cases) {
+        INFO(c.terrain);
+        const auto ground = *named_terrain<double>(c.terrain);
+        const auto grid = ground.grid();
+        Tracker<double> ball{grid, 0.1};
+        ball.restore({.centre = c.centre,
+                      .stylus = c.stylus,
+                      .foot = c.foot,
+                      .side = Side::above,
+                      .phase = TrackerPhase::contact});
+        const auto found = ball.update(c.stylus);
+        CHECK(found.status == ContactStatus::contact);
+        const BallJudge<double> judge{ground};
+        CHECK(judge({wide(c.centre), ContactStatus::contact, c.stylus, found, 0.1L}).fault == "");
+    }
+}
+
+TEST_CASE("ball tracker: on a sheet, a ball that is pushed round the border is on the other side", "[ball]") {
+    const auto ground = *named_terrain<double>("rough");
+    const auto grid = ground.grid();
+    Tracker<double> ball{grid, 1, {.surface = SurfaceKind::sheet}};
+    const glm::dvec3 centre{11.131867563530998, 7.0263734177813033, 1.5162082931473049},
+        stylus{0.46873160263002589, 18.989999999999998, 0.4486695524693165};
+    ball.restore({.centre = centre,
+                  .stylus = {11, 7, 0.5},
+                  .foot = {{11, 7}, 0.1, 0.1},
+                  .side = Side::above,
+                  .phase = TrackerPhase::contact});
+    const auto found = ball.update(stylus);
+    REQUIRE(found.touching());
+    CHECK(found.side == hfh::detail::side_of(grid, ball.centre()));
+}
+
+TEST_CASE("ball tracker: on a sheet, it does not roll under an edge", "[ball]") {
+    const auto ground = *named_terrain<double>("steep hills");
+    const auto grid = ground.grid();
+    Tracker<double> ball{grid, 0.1, {.surface = SurfaceKind::sheet}};
+    const glm::dvec3 centre{22.371224210746149, 12.018454310662285, -3.2321378114520094},
+        stylus{22.440487353252472, 11.942801923504094, -3.5168294447693582};
+    ball.restore({.centre = centre,
+                  .stylus = {22.371224210746146, 12.05595713613425, -3.25379007783362},
+                  .foot = {{22, 12}, 0.37122421074614304, 0.1050568510407289},
+                  .side = Side::above,
+                  .phase = TrackerPhase::contact});
+    const auto found = ball.update(stylus);
+    const BallJudge<double> judge{ground};
+    CHECK(judge({wide(centre), ContactStatus::contact, stylus, found, 0.1L, SurfaceKind::sheet}).fault == "");
+}
+
 TEST_CASE("ball tracker: checkerboard heights", "[ball]") {
     for (const double r : {0.2, 0.7, 1.6}) {
         Ball ball{terrain<double>(24, 20, [](Index i, Index j) { return double((i + j) % 2); }), r};
@@ -364,6 +431,33 @@ TEST_CASE("ball tracker: raised ground lifts it, and on lowered ground it sinks"
     for (Index j = 0; j < 20; ++j) ball.terrain.at(14, j) = -9;
     ball.changed();
     CHECK(ball.update({13.5, 10.2, -8}).touching());
+}
+
+TEST_CASE("ball tracker: ground raised by a ten-millionth of the radius under a free ball is felt",
+          "[ball]") {
+    Ball ball{plane<double>(24, 20, 0), 1};
+    (void)ball.update({12.3, 10.4, 5});
+    (void)ball.update({12.3, 10.4, 1 + 1e-12});
+    for (double& height : ball.terrain.heights) height = 1e-7;
+    ball.changed();
+    CHECK(ball.update({12.3, 10.4, 1 + 1e-12}).status == ContactStatus::contact);
+}
+
+TEST_CASE("ball tracker: a lift along ground of any height comes to an end", "[ball]") {
+    // Beside the corner of the grid, where no other cell is near.
+    for (const double height : {1e4, 1e7, 1e9}) {
+        INFO(height);
+        auto ground = plane<double>(24, 20, 0);
+        const auto grid = ground.grid();
+        const CountingField counting{grid};
+        BallTracker ball{counting, 0.5};
+        (void)ball.update({-0.3, -0.3, 2});
+        (void)ball.update({-0.3, -0.3, 0.2});
+        ground.at(0, 0) = height;
+        const long before = counting.looks();
+        (void)ball.update({-0.3, -0.3, 0.2});
+        CHECK(counting.looks() - before < 1'000'000);
+    }
 }
 
 TEST_CASE("ball tracker: the radius changes while it touches", "[ball]") {
@@ -562,6 +656,55 @@ TEST_CASE("ball tracker: the first touch of a moving ball", "[ball]") {
         }
     }
     CHECK(touches > 50);
+}
+
+TEST_CASE("ball tracker: a ball that leaves a patch touches it again where that is bent towards it",
+          "[ball]") {
+    auto ground = *named_terrain<double>("steep hills");
+    punch_holes(ground, 8, 114);
+    const MovingBall first{{15.212279304598031, 14.525453869190663, 1.4227989074739649},
+                           {14.0371723590596, 14.038886393536274, -1.7883039084927217},
+                           0.29285828084091498};
+    CHECK(judge_moving_ball(BallSurface<double>{ground}, first).fault == "");
+    const auto real = real_terrain<double>("sugarhouse_standin");
+    if (!real) return;
+    const MovingBall second{{4386.450518813559, 15263.215133171927, 1276.290020313136},
+                            {4542.0057785609451, 15394.789845615969, 1215.1706229710132},
+                            114.89483999414269};
+    CHECK(judge_moving_ball(BallSurface<double>{*real}, second).fault == "");
+}
+
+TEST_CASE("ball tracker: the normal of a first touch comes from its point where the ball grazes a fold",
+          "[ball]") {
+    const MovingBall balls[]{{{-943.9522862555101, -289.81001532454673, -0.15921966802272303},
+                              {-943.9522862555101, -293.42478136927281, -0.15921966802272303},
+                              0.17099830941243799},
+                             {{-949.86237298042397, -283.79667516458846, 2.3764936028466264},
+                              {-965.02638908416793, -283.79667516458846, 2.3764936028466264},
+                              2.3764936028466264}};
+    CHECK(judge_moving_ball(BallSurface<double>{*named_terrain<double>("hard 2 1")}, balls[0]).fault == "");
+    CHECK(judge_moving_ball(BallSurface<double>{*named_terrain<double>("hard 5 1")}, balls[1]).fault == "");
+}
+
+TEMPLATE_TEST_CASE("ball tracker: first touches from everywhere and in all directions, judged", "[ball]",
+                   float, double) {
+    using T = TestType;
+    MovingBallTally tally;
+    std::uint64_t seed = 320;
+    for (const auto& scene : scenes<T>()) {
+        auto ground = scene.terrain;
+        move_balls<T>(scene.name, ground, 20, ++seed, tally);
+        punch_holes(ground, 8, 114);
+        move_balls<T>(scene.name, ground, 20, ++seed, tally);
+    }
+    for (int kind = 0; kind < static_cast<int>(HardGround::no_data); ++kind) {
+        const std::string name = "hard " + std::to_string(kind) + " 1";
+        move_balls<T>(name, *named_terrain<T>(name), 20, ++seed, tally);
+    }
+    for (const auto& example : tally.examples) FAIL_CHECK(example);
+    CHECK(tally.faults == 0);
+    CHECK(tally.touches > 200);
+    CHECK(tally.unclear < tally.balls / 20);
 }
 
 TEMPLATE_TEST_CASE("ball tracker: random strokes on every kind of ground, judged", "[ball]", float, double) {

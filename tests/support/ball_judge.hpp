@@ -123,6 +123,18 @@ public:
         return gain;
     }
 
+    /// Whether the ball may have slid to a rim: the centre has stayed as near to the stylus as it was.
+    [[nodiscard]] bool may_have_left(const BallUpdate<T>& update) const {
+        if (!update.last_centre || !without_holes(ground_.terrain())) return true;
+        const Terrain<T>& t = ground_.terrain();
+        const glm::dvec2 low = t.low(), high = t.high();
+        const Point stylus = wide(update.stylus);
+        const Wide reach = length(*update.last_centre - stylus) + update.radius;
+        return !(stylus.x - reach > static_cast<Wide>(low.x) && stylus.y - reach > static_cast<Wide>(low.y) &&
+                 stylus.x + reach < static_cast<Wide>(high.x) &&
+                 stylus.y + reach < static_cast<Wide>(high.y));
+    }
+
 private:
     /// The patches that a ball may touch within `most` of its centre, seen from there.
     class Nearby {
@@ -222,7 +234,7 @@ private:
         if (!verdict.fault.empty()) return;
         const Wide slope = BallPromise<T>::residual + roundings / r;
         const Wide gain = gain_nearby(centre, stylus, r, slope, 1e-3L * r);
-        for (const Wide step : {1e-4L, 1e-5L, 1e-6L}) {
+        for (const Wide step : {1e-4L, 1e-5L, 1e-6L, 1e-7L}) {
             if (!(gain > 0) || gain_nearby(centre, stylus, r, slope, step * r) > 0) continue;
             // A minimum all the same, narrower than 10⁻³ r: the gradient flow ends there as well.
             verdict.narrow = true;
@@ -344,18 +356,6 @@ private:
         if (!nearest || (nearest->offset.z >= 0 && ground_.on_rim(nearest->at))) return;
         fault("free in the ground, by r times", 1 - nearest->distance / r);
     }
-    /// Whether the ball may have slid to a rim: the centre has stayed as near to the stylus as it was.
-    [[nodiscard]] bool may_have_left(const BallUpdate<T>& update) const {
-        if (!update.last_centre || !without_holes(ground_.terrain())) return true;
-        const Terrain<T>& t = ground_.terrain();
-        const glm::dvec2 low = t.low(), high = t.high();
-        const Point stylus = wide(update.stylus);
-        const Wide reach = length(*update.last_centre - stylus) + update.radius;
-        return !(stylus.x - reach > static_cast<Wide>(low.x) && stylus.y - reach > static_cast<Wide>(low.y) &&
-                 stylus.x + reach < static_cast<Wide>(high.x) &&
-                 stylus.y + reach < static_cast<Wide>(high.y));
-    }
-
     BallSurface<T> ground_;
 };
 

@@ -133,14 +133,24 @@ private:
             return judge_first_touch(judge_.ground(), *now.last_centre, to, radius, {}, 1500);
         };
         if (answer.found.status == ContactStatus::free) {
-            // It may have slid around what is on the way.
-            if (verdict(now.radius - slack) == SweepVerdict::nearer_before &&
-                flow_of_ball(judge_.ground(), *now.last_centre, to, now.radius, now.kind, 5000).end ==
-                    FlowEnd::minimum)
+            if (verdict(now.radius - slack) == SweepVerdict::nearer_before && is_held_on_way(now, to))
                 answer.verdict.fault = "went through the surface: 1";
         } else if (answer.found.touching() && verdict(now.radius + slack) == SweepVerdict::right) {
             answer.verdict.fault = "a contact with nothing on the way: 1";
         }
+    }
+    /// Whether what is on the way of a ball holds it, so that it cannot slide around. A sheet's ball may have got round a rim, where
+    /// one is in reach; a solid that is met from over a hole or from beside it may hold nothing; and a flow that ends on a crest says nothing.
+    [[nodiscard]] bool is_held_on_way(const BallUpdate<T>& now, const Point& to) const {
+        if (now.kind == SurfaceKind::sheet && judge_.may_have_left(now)) return false;
+        constexpr int parts = 256;
+        for (int k = 0; k <= parts; ++k) {
+            const Point at = *now.last_centre + static_cast<Wide>(k) / parts * (to - *now.last_centre);
+            if (!judge_.ground().surface().height(at.x, at.y)) return false;
+        }
+        const Flow flow = flow_of_ball(judge_.ground(), *now.last_centre, to, now.radius, now.kind, 5000);
+        return flow.end == FlowEnd::minimum &&
+               !(judge_.gain_nearby(flow.centre, to, now.radius, 1e-6L, 1e-3L * now.radius) > 0);
     }
     void judge_flow(const BallUpdate<T>& now, Answer& answer) const {
         const bool was_led = now.last_centre && (now.last_status == ContactStatus::free ||

@@ -263,7 +263,7 @@ bool BallTracker<Field>::stand_on(const SurfacePoint<Scalar>& foot, const glm::d
         const double distance = glm::length(to_foot);
         if (!(glm::dot(to_foot, normal) < 0 && distance > radius / 256)) return false;
         normal = -to_foot / distance;
-        if (options_.surface == SurfaceKind::solid && normal.z < 0) return false;
+        if (state_.side == Side::below ? normal.z > 0 : normal.z < 0) return false;
     }
     const glm::dvec3 offset = to_foot + radius * normal;
     ball = {foot, normal, offset, to + offset};

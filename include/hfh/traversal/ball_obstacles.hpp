@@ -74,6 +74,13 @@ template <Real T = double>
     return turned / at.distance;
 }
 
+/// How far a ball goes at most, before the next look, where nothing is near.
+template <HeightField Field>
+[[nodiscard]] double longest_margin(const Field& field) noexcept {
+    const glm::dvec2 spacing = field.lattice().spacing();
+    return 4 * glm::min(spacing.x, spacing.y);
+}
+
 /// The obstacles around a centre, as far as the ball may go before the next look.
 ///
 /// A local closest point on the border of its patch need not be one of the surface: where the distance falls on into a
@@ -102,6 +109,16 @@ public:
         double smallest = margin_;
         for (const BallObstacle& obstacle : *this) smallest = glm::min(smallest, obstacle.gap);
         return smallest;
+    }
+    /// The smallest gap to a patch that is bent, so that its half-space does not tell all on a way as long as the margin, or `longest_margin`; margin()
+    /// where there is none.
+    [[nodiscard]] double smallest_bent_gap() const noexcept { return glm::min(bent_gap_, margin_); }
+    /// Unit, from the point of an obstacle to the centre: that of a plane is its own.
+    [[nodiscard]] glm::dvec3 normal_at(const glm::dvec3& centre, const BallObstacle& at) const noexcept {
+        RelativePatch patch;
+        const ReachSearch<Field> search{*field_, centre, 0, 0};
+        if (!at.is_plane || !search.read(at.point.cell, patch)) return at.normal;
+        return glm::normalize(-patch.foot(at.point.u, at.point.v).offset);
     }
     /// How far along a way, 0 to 1, the ball may go before it meets the first obstacle.
     [[nodiscard]] double clear_part(const glm::dvec3& way, double rounding) const noexcept {
@@ -149,6 +166,7 @@ private:
     const Field* field_;
     double radius_ = 0;
     double margin_ = 0;
+    double bent_gap_ = 0;
     int count_ = 0;
     BallObstacle items_[most];
 };
@@ -159,15 +177,22 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     count_ = 0;
     radius_ = radius;
     margin_ = margin;
+    bent_gap_ = margin;
+    const glm::dvec2 spacing = field_->lattice().spacing();
+    const double longest = glm::max(margin, longest_margin(*field_));
+    const double least_twist = 5e-10 * radius / (longest * longest) * spacing.x * spacing.y;
     if (field_->cells().empty()) return true;
     const auto reach_squared = [this] { return (radius_ + margin_) * (radius_ + margin_); };
-    ReachSearch<Field> search{*field_, centre, reach_squared(), work};
+    // The cell under the centre counts as well: looks that meet no other come to an end.
+    ReachSearch<Field> search{*field_, centre, reach_squared(), work - 1};
     const auto look_at = [&](Cell cell, const RelativePatch& patch) {
         const glm::dvec3 middle = patch.middle();
         const double beyond = patch.least_along(middle);
         if (beyond > 0 && beyond * beyond >= search.reach_squared() * glm::dot(middle, middle)) return true;
+        const bool is_bent = std::abs(patch.twist()) > least_twist;
         // A patch whose search is cut short has offered what it found.
         (void)visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
+            if (is_bent) bent_gap_ = glm::min(bent_gap_, std::sqrt(foot.squared) - radius_);
             offer(search, cell, patch, foot);
             return true;
         });
@@ -177,7 +202,7 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
     RelativePatch under;
     if (search.read(search.base(), under) && under.box_squared() < search.reach_squared())
         look_at(search.base(), under);
-    const bool ran = !search.reaches_out() || search.run(look_at);
+    const bool ran = work > 0 && (!search.reaches_out() || search.run(look_at));
     work = search.work_left();
     if (!ran) count_ = 0, margin_ = 0;
     return ran;

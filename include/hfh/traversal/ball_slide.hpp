@@ -67,7 +67,8 @@ public:
     [[nodiscard]] bool is_on_rims_alone() const noexcept;
     /// Whether the surface was raised under the ball, so that they overlap.
     [[nodiscard]] bool overlaps() const noexcept {
-        return is_on_wrong_side(centre_) || around().smallest_gap() < -1e-6 * ball_.radius;
+        return is_on_wrong_side(centre_) ||
+               around().smallest_gap() < -5e-10 * ball_.radius - 4 * rounding_at(centre_);
     }
     /// Lifts the ball (felt from below: lowers it) until it is clear. False where it cannot, or that is too much work.
     [[nodiscard]] bool lift() noexcept;
@@ -146,9 +147,9 @@ private:
     /// From a centre that is tried onto the obstacles that hold the ball there, of which the step has led off where they bend
     /// away. False where it cannot.
     [[nodiscard]] bool drop(const glm::dvec3& target, glm::dvec3& centre, double margin) noexcept;
-    /// Whether a try has led nearer to the target; then it is taken.
-    [[nodiscard]] bool keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next, double length,
-                                      bool is_round_rim) noexcept;
+    /// Takes a try that has led nearer to the target, on the side on which the ball is or round a rim.
+    [[nodiscard]] MoveEnd keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next,
+                                         double length) noexcept;
     /// From where the distance is highest in a direction, to one side or the other.
     [[nodiscard]] MoveEnd leave_crests(const glm::dvec3& target, const Move& move) noexcept;
     /// From where the distance is highest along a step: takes it, and goes on from there until the centre is nearer.
@@ -367,7 +368,7 @@ bool BallSlide<Field>::leave_crest(const glm::dvec3& target, const glm::dvec3& a
     BallSlide trial = *this;
     glm::dvec3 next = centre_ + aside;
     if (is_on_wrong_side(next) || !trial.ahead().look(next, ball_.radius, margin, trial.work_) ||
-        !trial.push_clear(next, margin))
+        !trial.push_clear(next, margin) || is_on_wrong_side(next))
         return false;
     trial.move_to(next, size);
     for (int step = 0; step < 4; ++step) {
@@ -399,15 +400,19 @@ auto BallSlide<Field>::try_step(const glm::dvec3& target, const glm::dvec3& step
     if (!ahead().look(next, ball_.radius, margin, work_)) return MoveEnd::work_limit;
     if (!(ahead().smallest_gap() > -ball_.radius / 2)) return MoveEnd::no_nearer;
     if (!push_clear(next, margin)) return work_ > 0 ? MoveEnd::no_nearer : MoveEnd::work_limit;
-    if (keep_if_nearer(target, next, length, is_round_rim)) return MoveEnd::moved;
-    if (touched_ && drop(target, next, margin) && keep_if_nearer(target, next, length, is_round_rim))
-        return MoveEnd::moved;
-    return work_ > 0 ? MoveEnd::no_nearer : MoveEnd::work_limit;
+    MoveEnd end = keep_if_nearer(target, next, length);
+    if (end == MoveEnd::no_nearer && touched_ && drop(target, next, margin))
+        end = keep_if_nearer(target, next, length);
+    return end == MoveEnd::no_nearer && work_ <= 0 ? MoveEnd::work_limit : end;
 }
 
 template <HeightField Field>
-bool BallSlide<Field>::keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next, double length,
-                                      bool is_round_rim) noexcept {
+auto BallSlide<Field>::keep_if_nearer(const glm::dvec3& target, const glm::dvec3& next,
+                                      double length) noexcept -> MoveEnd {
+    // Where the ball was pushed clear it may stand on the other side of a thin ridge.
+    const bool is_round_rim = is_on_wrong_side(next);
+    if (is_round_rim && glm::distance(centre_, next) > ball_.radius / 2) return MoveEnd::no_nearer;
+    if (is_round_rim && ball_.surface == SurfaceKind::solid) return MoveEnd::off_rim;
     const glm::dvec3 way = target - centre_, rest = target - next;
     const double before = glm::dot(way, way), after = glm::dot(rest, rest);
     const bool falls = after < before * (1 - 4 * epsilon<double>);
@@ -415,10 +420,10 @@ bool BallSlide<Field>::keep_if_nearer(const glm::dvec3& target, const glm::dvec3
     const double rounding = 4 * epsilon<double> * before + 2 * std::sqrt(before) * rounding_at(next);
     const bool settles =
         length * length <= 1e-10 * before && length < last_step_ / 2 && after <= before + rounding;
-    if (!falls && !settles) return false;
+    if (!falls && !settles) return MoveEnd::no_nearer;
     if (is_round_rim) ball_.side = side_of(*field_, next);
     move_to(next, length);
-    return true;
+    return MoveEnd::moved;
 }
 
 template <HeightField Field>

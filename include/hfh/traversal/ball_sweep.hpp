@@ -64,17 +64,19 @@ class SweptBall {
 public:
     SweptBall(const Field& field, const glm::dvec3& from, const glm::dvec3& to, double radius,
               Index max_work) noexcept
-        : from_{from}, way_{to - from}, radius_{radius},
-          margin_{glm::min(widest_margin(field, radius), glm::length(way_))}, work_{max_work}, around_{
-                                                                                                   field} {}
+        : from_{from}, way_{to - from}, radius_{radius}, least_margin_{glm::min(widest_margin(field, radius),
+                                                                                glm::length(way_))},
+          most_margin_{glm::max(least_margin_, longest_margin(field))}, margin_{least_margin_},
+          work_{max_work}, around_{field} {}
 
     [[nodiscard]] Index work_left() const noexcept { return work_; }
     [[nodiscard]] double t() const noexcept { return t_; }
     [[nodiscard]] bool overlaps() const noexcept { return around_.smallest_gap() < -touching(); }
-    /// False if that is too much work; t stays then.
+    /// False if that is too much work; t stays then. Where nothing is near, the next look goes twice as far.
     [[nodiscard]] bool look_at(double t) noexcept {
         if (!around_.look(from_ + t * way_, radius_, margin_, work_)) return false;
         t_ = t;
+        margin_ = around_.size() == 0 ? glm::min(2 * margin_, most_margin_) : least_margin_;
         return true;
     }
     /// The nearest of the obstacles that the ball touches and goes against.
@@ -86,12 +88,24 @@ public:
         }
         return nearest;
     }
-    /// Goes on to where the first of the half-spaces ends. False if that is too much work.
+    /// Goes on to where the first of the half-spaces ends, or less far where a patch is bent towards the ball. False if that is too
+    /// much work.
     [[nodiscard]] bool advance() noexcept {
         const double length = glm::length(way_), part = glm::min(around_.margin() / length, 1 - t_),
-                     before = t_;
-        const double next = glm::min(1.0, t_ + part * around_.clear_part(part * way_, 0));
-        return look_at(next) && (!overlaps() || turn_back(before));
+                     before = t_, distance_before = bent_distance();
+        double next = glm::min(1.0, t_ + part * around_.clear_part(part * way_, 0));
+        for (;;) {
+            if (!look_at(next)) return false;
+            if (!overlaps() && is_clear_between(distance_before, bent_distance(), (next - before) * length))
+                return true;
+            const double middle = before + (next - before) / 2;
+            if (!(middle > before && middle < next)) return look_at(before);
+            next = middle;
+        }
+    }
+    /// Unit, from the point of an obstacle to the centre.
+    [[nodiscard]] glm::dvec3 normal_at(const BallObstacle& touched) const noexcept {
+        return around_.normal_at(from_ + t_ * way_, touched);
     }
 
 private:
@@ -99,26 +113,23 @@ private:
     [[nodiscard]] double touching() const noexcept {
         return 1e-9 * radius_ + 4 * epsilon<double> * glm::length(way_);
     }
-    /// A patch that is curved comes nearer than its plane told: from where the ball overlaps it back to where it touches, after a t at
-    /// which it was clear.
-    [[nodiscard]] bool turn_back(double clear) noexcept {
-        double beyond = t_;
-        for (;;) {
-            const double middle = clear + (beyond - clear) / 2;
-            if (!(middle > clear && middle < beyond)) return look_at(clear);
-            if (!look_at(middle)) return false;
-            if (overlaps()) {
-                beyond = middle;
-            } else if (touched()) {
-                return true;
-            } else {
-                clear = middle;
-            }
-        }
+    /// Of the patches that are bent from the centre.
+    [[nodiscard]] double bent_distance() const noexcept { return radius_ + around_.smallest_bent_gap(); }
+    /// Whether the ball stays clear of them on a way, by their distances at its ends. Along the way s, of length l, the square of
+    /// the distance from a point is a parabola,
+    ///
+    ///     D(s)² = (1 − s/l) D(0)² + s/l D(l)² − s (l − s)
+    ///
+    /// so no point comes nearer than this with the least distances of all.
+    [[nodiscard]] bool is_clear_between(double begin, double end, double length) const noexcept {
+        const double nearest = radius_ - touching(), rise = end * end - begin * begin,
+                     square = length * length;
+        const double lowest = glm::clamp((square - rise) / 2, 0.0, square); // s·l
+        return square == 0 || begin * begin - nearest * nearest >= lowest * (square - rise - lowest) / square;
     }
 
     glm::dvec3 from_, way_;
-    double radius_, margin_, t_ = 0;
+    double radius_, least_margin_, most_margin_, margin_, t_ = 0; // metres; t: 0 to 1
     Index work_;
     BallObstacles<Field> around_;
 };
@@ -150,7 +161,7 @@ BallSweep<typename Field::Scalar> first_touch(const Field& field, const glm::dve
         if (const auto* touched = ball.touched()) {
             const auto& at = touched->point;
             result.point = {at.cell, static_cast<T>(at.u), static_cast<T>(at.v)};
-            result.normal = vec3<T>{touched->normal};
+            result.normal = vec3<T>{ball.normal_at(*touched)};
             return end(BallSweepStatus::touch);
         }
         if (!(ball.t() < 1) || from == to) {
