@@ -517,7 +517,8 @@ private:
         }
         // What counts as wrong for a distance.
         const Wide wrong = (sizeof(T) == 8 ? 1e-12L : 4e-6L) *
-                           surface_.patch(at.i, at.j)->reach(surface_.seen_from(q, at.i, at.j));
+                               surface_.patch(at.i, at.j)->reach(surface_.seen_from(q, at.i, at.j)) +
+                           4 * eps<T> * (std::abs(q.x) + std::abs(q.y));
         if (c.status == ContactStatus::contact && c.depth > 0 && !too_steep(at) && !hair_from_border(at) &&
             sign * dot(offset, n) < -wrong && !goes_in(proxy, q, sign))
             fail("pulls towards the surface", c);

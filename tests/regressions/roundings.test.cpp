@@ -260,3 +260,43 @@ TEST_CASE("descend: from a hair off a border it comes to the border, not nearer 
     CHECK(end.status != DescentStatus::work_limit);
     CHECK(end.patches < 20);
 }
+
+TEST_CASE("first_hit: a segment that runs along the border outside of the grid has left the surface",
+          "[first_hit][regression]") {
+    // Its start on the border was rounded to outside, where there is no patch to get off. At its end on the corner it still
+    // counted as leaving, on the side of ten cells before, and so hit what is far below it.
+    const auto ground = plane<double>(7, 14, 0);
+    const auto grid = ground.grid();
+    const glm::dvec3 start{std::nextafter(6.0, 7.0), 2.25, 0}, end{6, 13, 15};
+    for (const SurfaceKind surface : {SurfaceKind::solid, SurfaceKind::sheet}) {
+        const auto hit =
+            first_hit(grid, start, end, {.surface = surface, .side = Side::below, .leaves_within = 1e-12});
+        CHECK(hit.status == HitStatus::miss);
+        CHECK(hit.side == Side::above);
+    }
+}
+
+TEST_CASE("descend_no_farther: along a bent valley it comes no farther from the query",
+          "[descent][regression]") {
+    // Not the step along the valley's floor was shortened but the straight line to its end, which leads up the valley's side.
+    constexpr double heights[2][2]{{8.2794544916243975, 3.3831581515455433e-05},
+                                   {3.2232977153773299e-06, 3.0393333330548119e-06}};
+    const glm::dvec2 spacing{0.0042765592005626083};
+    const auto ground = terrain<double>(
+        2, 2, [&](Index i, Index j) { return heights[j][i]; },
+        {.origin = glm::dvec2{3.5220814028318586, -2.2141446155334319} + spacing, .spacing = spacing});
+    const auto grid = ground.grid();
+    const glm::dvec3 stylus{3.5281788407545358, -2.2080471776107546, 2.7299713283348042};
+    SurfacePoint<double> at{{0, 0}, 0.26723039912780333, 0.55002534470182041};
+    double last = glm::length(descend(grid, stylus, at, 0).offset);
+    const double first = last;
+    for (int n = 0; n < 400; ++n) {
+        const auto found = hfh::detail::descend_no_farther(grid, stylus, at, 64, 0.0005393112015390862);
+        const double distance = glm::length(found.offset);
+        CAPTURE(n);
+        CHECK(distance <= last);
+        last = distance;
+        at = found.point;
+    }
+    CHECK(last < first / 2);
+}

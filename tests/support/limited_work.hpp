@@ -81,7 +81,7 @@ public:
                      to_glide = glides() ? 16 * cells * (1 + longest_patch(*terrain_) / glide_speed_) : 0,
                      enough = 64 + to_glide +
                               4 * cells / std::min(options_.max_patches, options_.max_contact_patches);
-        const double waits = std::min(enough, most_waited_for);
+        const double waits = judges_rest ? std::min(enough, most_waited_for) : 64;
         Contact<T> c = update(stylus);
         for (double n = 1; is_on_its_way(c) && n <= waits; ++n) {
             check_force(c, unlimited);

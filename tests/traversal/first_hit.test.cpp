@@ -744,7 +744,7 @@ TEMPLATE_TEST_CASE(
     });
     CHECK(pieces > 5'000);
     CHECK(hits > 1'000);
-    CHECK(leaving > 500);
+    CHECK(leaving > 200);
 }
 
 TEMPLATE_TEST_CASE("first_hit: a search in pieces leaves the surface as one search does",

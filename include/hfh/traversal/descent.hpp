@@ -128,10 +128,42 @@ struct DistanceLeft {
         moved = true;
         const T share = glm::max(metres / length, least);
         used_up = share < 1;
+        if (used_up) {
+            // F falls all along any other step.
+            const bool may_rise = step == NewtonStep::refused;
+            const vec2<T> straight{at.u + share * du, at.v + share * dv};
+            to = may_rise && rises(distance, at, straight) ? along_floor(distance, at, to, share, least)
+                                                           : straight;
+            step = NewtonStep::inside;
+        }
         metres = glm::max(metres - length, T(0));
-        if (!used_up) return step;
-        to = {at.u + share * du, at.v + share * dv};
-        return NewtonStep::inside;
+        return step;
+    }
+
+private:
+    [[nodiscard]] static bool rises(const DistanceFunction<T>& distance, const SurfacePoint<T>& at,
+                                    const vec2<T>& to) noexcept {
+        return distance.change(distance(at.u, at.v), to.x - at.u, to.y - at.v) > 0;
+    }
+    /// As much of the step that `safeguarded_step` makes along a bent valley as is left: on its floor, or, where that is too
+    /// far off, towards it.
+    [[nodiscard]] vec2<T> along_floor(const DistanceFunction<T>& distance, const SurfacePoint<T>& at,
+                                      const vec2<T>& to, T share, T least) const noexcept {
+        const auto f = distance(at.u, at.v);
+        const bool along_v = f.fuu >= f.fvv;
+        const ValleyFloor<T> valley{distance, along_v};
+        const T from = along_v ? at.v : at.u, goal = along_v ? to.y : to.x;
+        const auto length_to = [&](const vec2<T>& place) {
+            const T x = place.x - at.u, y = place.y - at.v, z = distance.gap(place.x, place.y) - f.z;
+            return std::sqrt(distance.dx2 * x * x + distance.dy2 * y * y + z * z);
+        };
+        for (T part = share; part > least; part /= 2) {
+            const vec2<T> place = valley.at(from + part * (goal - from));
+            if (length_to(place) <= metres) return place;
+        }
+        const vec2<T> floor = valley.at(from), way{floor.x - at.u, floor.y - at.v};
+        const T length = length_to(floor), part = length > metres ? glm::max(metres / length, least) : T(1);
+        return {at.u + part * way.x, at.v + part * way.y};
     }
 };
 

@@ -51,10 +51,10 @@ struct BasicFirstHitOptions {
     /// side wins over the sign of a height that is zero but for rounding, or that an edit has changed.
     Side side = Side::none;
     /// ≥ 0: the segment leaves a surface on which a was computed to lie, to `side`, and this many metres are the rounding
-    /// of a.z (that of a.x and a.y is added to it). As long as it is no farther off than that, nothing is a crossing, and a
-    /// missing patch is no hole; where a cell begins or ends with the segment farther off, it has left. Where the segment
-    /// comes to be farther off on the other side, or ends there without having left, it hits where it entered the
-    /// last cell. < 0: no.
+    /// of a.z (that of a.x and a.y is added to it). As long as it is no farther off than that, nothing is a crossing, and
+    /// where patches are missing for less than a sixteenth of a cell there is no hole; where a cell begins or ends with the
+    /// segment farther off, it has left. Where the segment comes to be farther off on the other side, or ends there without
+    /// having left, it hits where it entered the last cell. < 0: no.
     F leaves_within = -1;
     /// The search stops before the next cell, but not before it has got on by a sixteenth of a cell from where it began,
     /// where up to four cells meet, and not between cells into which the segment comes at the same t.
@@ -117,7 +117,10 @@ struct CrossingTest {
 
     /// Tests the next cell; false if the search is over. Inlined, so that the span does not go through memory.
     [[HFH_ALWAYS_INLINED]] bool operator()(const BasicCellSpan<F>& span) noexcept {
-        if (span.t_in > covered_to && !leaving) side = Side::none; // behind a hole
+        if (span.t_in > covered_to && (!leaving || is_apart(covered_to, span.t_in))) { // behind a hole
+            side = Side::none;
+            leaving = false;
+        }
         if (out_of_cells(span.t_in)) return false;
         last_begin = span.t_in;
         ++result.cells;
@@ -182,19 +185,23 @@ struct CrossingTest {
 
 private:
     /// Whether the search has to stop at t, for it has looked at as many cells as it may. Not between two cells at the same
-    /// t: it would go on with the first of them again, knowing what it learned in it.
+    /// t: it would go on with the first of them again, knowing what it learned in it. Nor within a gap of the surface that
+    /// may be no hole.
     [[nodiscard]] bool out_of_cells(F t) noexcept {
-        if (result.cells < options.max_cells || t >= 1 || t <= last_begin || !has_got_on(t)) return false;
+        if (result.cells < options.max_cells || t >= 1 || t <= last_begin || (leaving && t > covered_to) ||
+            !is_apart(options.begin_at, t)) {
+            return false;
+        }
         result.status = HitStatus::cell_limit;
         result.t = t;
         return true;
     }
-    /// Whether the point at t is off the one where the search began by a sixteenth of a cell, and a place of its own however
-    /// it is rounded. A piece of a search that ended nearer could begin again in the cell where this one began.
-    [[nodiscard]] bool has_got_on(F t) const noexcept {
+    /// Whether two points of the segment are apart by a sixteenth of a cell, and two places however they are rounded. A piece
+    /// of a search that ended nearer to its begin could begin again in the same cell.
+    [[nodiscard]] bool is_apart(F from, F to) const noexcept {
         const vec2<F> per_metre = field.lattice().cells_per_metre();
-        const vec3<F> begin = point_on_segment(a, b, options.begin_at);
-        const F on = t - options.begin_at, x = on * (b.x - a.x), y = on * (b.y - a.y);
+        const vec3<F> begin = point_on_segment(a, b, from);
+        const F x = (to - from) * (b.x - a.x), y = (to - from) * (b.y - a.y);
         const bool by_x = std::abs(x) * per_metre.x >= F(0.0625) && begin.x + x / 2 != begin.x,
                    by_y = std::abs(y) * per_metre.y >= F(0.0625) && begin.y + y / 2 != begin.y;
         return by_x || by_y;
