@@ -128,6 +128,8 @@ private:
                                 Standing& ball) const noexcept;
     /// Rolls there, if nothing is in the way and it comes nearer to the stylus.
     [[nodiscard]] bool roll_to(const Standing& ball, const glm::dvec3& to, Index& work) noexcept;
+    /// Whether a ball that rolls to a minimum seems to pass no other on its way, as far as its ends tell.
+    [[nodiscard]] bool is_first_minimum(const Standing& ball, const glm::dvec3& to) const noexcept;
     /// In contact: over to the foot of the stylus, if that is all there is to do: mostly it is. False if not; it may be on its
     /// way then.
     [[nodiscard]] bool roll(const vec3<Scalar>& stylus, Index& work, BallContact<Scalar>& contact) noexcept;
@@ -287,6 +289,25 @@ bool BallTracker<Field>::roll_to(const Standing& ball, const glm::dvec3& to, Ind
 }
 
 template <HeightField Field>
+bool BallTracker<Field>::is_first_minimum(const Standing& ball, const glm::dvec3& to) const noexcept {
+    // From the slope at the start the fall lets off towards a minimum. Where it has grown instead, or the ball has dived over an
+    // edge, it may have come out of another minimum on the way.
+    constexpr double steepest_dive = 0.2, short_way = 1.0 / 16;
+    const glm::dvec3 way = ball.centre - state_.centre, before = state_.centre - to;
+    const double radius = widen(radius_), length = glm::length(way);
+    if (length <= short_way * radius) return true;
+    const detail::ReachSearch<Field> from_centre{field(), state_.centre, 0, 0};
+    detail::RelativePatch patch;
+    if (!from_centre.read(state_.foot.cell, patch)) return false;
+    const glm::dvec3 normal = -patch.foot(widen(state_.foot.u), widen(state_.foot.v)).offset / radius;
+    const double rise = glm::dot(way, normal);
+    if (rise < -steepest_dive * length) return false;
+    const glm::dvec3 along = way - rise * normal;
+    const double fall = (glm::dot(before, before) - glm::dot(ball.offset, ball.offset)) / 2;
+    return fall * glm::length(along) <= -length * glm::dot(before, along);
+}
+
+template <HeightField Field>
 bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
                               BallContact<Scalar>& contact) noexcept {
     const glm::dvec3 to = widen(stylus);
@@ -308,7 +329,7 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
         if (--parts < 0 || !stand_on(part.point, to, on_the_way) || !roll_to(on_the_way, to, work))
             return false;
     }
-    if (!roll_to(ball, to, work)) return false;
+    if (!is_first_minimum(ball, to) || !roll_to(ball, to, work)) return false;
     state_.stylus = to;
     const double depth = glm::length(ball.offset);
     contact.status = ContactStatus::contact;
