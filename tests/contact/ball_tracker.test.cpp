@@ -178,6 +178,74 @@ TEST_CASE("ball tracker: it rolls over what is in the way only where going round
         hfh::detail::RollingBall<>{{-0.6, 0, 0}, {0, 0, 1}, {2, 0, -1}, 1, 1e-12}.is_clear_of(higher));
 }
 
+TEST_CASE("ball tracker: it stops at the first minimum on its way", "[ball]") {
+    struct Led {
+        const char* scene;
+        double radius;
+        BallState<double> before;
+        glm::dvec3 stylus;
+    };
+    const auto touching = [](const glm::dvec3& centre, const glm::dvec3& stylus,
+                             const SurfacePoint<double>& foot) {
+        return BallState<double>{.centre = centre,
+                                 .stylus = stylus,
+                                 .foot = foot,
+                                 .side = Side::above,
+                                 .phase = TrackerPhase::contact};
+    };
+    const Led many[] = {
+        // The foot of the stylus is across a hollow or an edge.
+        {"gentle hills",
+         0.5,
+         touching({7.2868418989764994, 12.085539861066506, 1.107630366001908},
+                  {6.4565736382801253, 11.84275788536841, -0.06735229216819065},
+                  {{7, 12}, 0.0023213800569333747, 0.0023421080270212375}),
+         {6.4297418136894855, 11.830419112294866, -0.036330390249827683}},
+        {"rough",
+         1,
+         touching({6.9236229322574481, 11.082269737880416, 1.3400509766985653},
+                  {7.0011577729600898, 10.328861689254293, 0.48239003834600536},
+                  {{6, 10}, 1, 0.41912469480759967}),
+         {7.0026020068967174, 10.341055047531222, 0.46971385936786852}},
+        {"terraces",
+         2,
+         touching({14.476679764322968, 1.4766797643229679, 7.2065647182838273},
+                  {15.17673965631543, 2.99488152246251, 5.6030804514888368},
+                  {{14, 2}, 1, 0.84162224130339758}),
+         {15.094039685497957, 3.0699645574447594, 5.614805578891545}},
+        // A step as long as a look allows ends beyond.
+        {"checkerboard",
+         1,
+         touching({4.9999999999999938, 11, 1.4142135623731014},
+                  {4.7261370077643488, 4.3655585268080097, -5.5781300111561531},
+                  {{4, 10}, 1, 0.29289321881344932}),
+         {4.7356142029757162, 4.2700385467340816, -5.4412049233214388}},
+        {"checkerboard",
+         0.5,
+         touching({15.125293372411708, 15.000000000000002, 0.83283685183720968},
+                  {16.507348546220314, 15.07188299834673, -0.6098558948622258},
+                  {{15, 15}, 0.47087185634781131, 0.021015414761598569}),
+         {16.519514495733503, 15.076334698644695, -0.58489221911099598}},
+    };
+    for (const Led& led : many) {
+        CAPTURE(led.scene, led.radius);
+        const auto ground = named_terrain<double>(led.scene);
+        REQUIRE(ground);
+        const auto grid = ground->grid();
+        BallTracker tracker{grid, led.radius};
+        tracker.restore(led.before);
+        const auto found = tracker.update(led.stylus);
+        REQUIRE(found.status == ContactStatus::contact);
+        const BallSurface<double> surface{*ground};
+        const auto start = surface.pushed_clear(wide(led.before.centre), led.radius);
+        REQUIRE(start);
+        const Flow flow =
+            flow_of_ball(surface, *start, wide(led.stylus), led.radius, SurfaceKind::solid, 20000, 400);
+        REQUIRE(flow.end == FlowEnd::minimum);
+        CHECK(in_one_basin(surface, flow.centre, centre_of(led.stylus, found), wide(led.stylus), led.radius));
+    }
+}
+
 TEST_CASE("ball tracker: no speed takes it through spikes thinner than itself", "[ball]") {
     // A fence: every second sample of a column is a spike.
     auto ground = plane<double>(24, 20, 0);

@@ -354,10 +354,13 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
     const bool was_touching = state_.touching();
     // A ball in contact goes about as far as the stylus went.
     const double expected = was_touching ? 1.25 * glm::distance(to, state_.stylus) + radius / 16 : widest;
+    // A ball that is led slowly is to stop at the first minimum on its way, which a longer step may pass.
+    const double stride =
+        was_touching ? glm::clamp(glm::distance(to, state_.stylus) / 2, widest / 16, widest) : widest;
     state_.stylus = to;
-    Slide slide{field(), {radius, options_.surface, state_.side}, state_.centre, work};
+    Slide slide{field(), {radius, options_.surface, state_.side, stride}, state_.centre, work};
     const auto look = [&] {
-        return slide.look(glm::min(glm::min(widest, expected), glm::distance(to, slide.centre())));
+        return slide.look(glm::min(glm::min(stride, expected), glm::distance(to, slide.centre())));
     };
     auto end = detail::BallSlideEnd::step_limit;
     bool looked = look(), lifted = false;

@@ -37,6 +37,7 @@ struct BallOnSurface {
     double radius;       ///< metres
     SurfaceKind surface; ///< a solid ends contact where the ball has got round a rim
     Side side;           ///< the side of the surface that the ball is on; none: beside it
+    double stride = std::numeric_limits<double>::max(); ///< how far it goes in a step at most, in metres
 };
 
 /// A ball on its way, and what is around it. `run` goes on from where the last one ended.
@@ -107,7 +108,9 @@ private:
     static constexpr double flattest = 1e-6; ///< below it there is no step to a minimum
     static constexpr double crest = -1e-6;   ///< below it the distance is highest
 
-    [[nodiscard]] double widest() const noexcept { return widest_margin(*field_, ball_.radius); }
+    [[nodiscard]] double widest() const noexcept {
+        return glm::min(widest_margin(*field_, ball_.radius), ball_.stride);
+    }
     /// What rounding makes of a distance from the centre, in metres.
     [[nodiscard]] double rounding_at(const glm::dvec3& centre) const noexcept {
         return ball_rounding(centre, ball_.radius);
