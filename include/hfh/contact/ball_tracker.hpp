@@ -320,6 +320,9 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const glm::dvec3 across = ball.offset - share * ball.normal;
     const double allowed = widen(epsilon<Scalar>) * glm::dot(ball.offset, ball.offset);
     if (!(share > 0) || glm::dot(across, across) > allowed) return false;
+    // Much farther than the stylus went there is another minimum on the way, mostly.
+    const double led = 1.5 * glm::distance(to, state_.stylus) + widen(radius_) / 16;
+    if (glm::distance(ball.centre, state_.centre) > led) return false;
     // A long way in parts, along that of the foot.
     for (int parts = steps_allowed(to); glm::distance(ball.centre, state_.centre) > longest_roll();) {
         const auto part = detail::descend_no_farther(field(), stylus, state_.foot, options_.max_patches,
