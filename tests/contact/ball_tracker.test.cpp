@@ -237,12 +237,13 @@ TEST_CASE("ball tracker: it stops at the first minimum on its way", "[ball]") {
         const auto found = tracker.update(led.stylus);
         REQUIRE(found.status == ContactStatus::contact);
         const BallSurface<double> surface{*ground};
-        const auto start = surface.pushed_clear(wide(led.before.centre), led.radius);
+        const Wide radius = static_cast<Wide>(led.radius);
+        const auto start = surface.pushed_clear(wide(led.before.centre), radius);
         REQUIRE(start);
         const Flow flow =
-            flow_of_ball(surface, *start, wide(led.stylus), led.radius, SurfaceKind::solid, 20000, 400);
+            flow_of_ball(surface, *start, wide(led.stylus), radius, SurfaceKind::solid, 20000, 400);
         REQUIRE(flow.end == FlowEnd::minimum);
-        CHECK(in_one_basin(surface, flow.centre, centre_of(led.stylus, found), wide(led.stylus), led.radius));
+        CHECK(in_one_basin(surface, flow.centre, centre_of(led.stylus, found), wide(led.stylus), radius));
     }
 }
 
