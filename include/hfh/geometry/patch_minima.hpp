@@ -162,14 +162,12 @@ template <Real T = double>
     return none;
 }
 
-/// What the closest point of a patch may be, by how far the heights turn under the query. Lives no longer than the patch.
+/// What the closest point of a patch may be, by how far the heights turn under the query.
 class PatchShape {
 public:
-    explicit PatchShape(const RelativePatch& p) noexcept
-        : rise_u_{glm::max(std::abs(p.z10 - p.z00), std::abs(p.z11 - p.z01))}, rise_v_{glm::max(
-                                                                                   std::abs(p.z01 - p.z00),
-                                                                                   std::abs(p.z11 - p.z10))},
-          dx_{p.dx}, dy_{p.dy}, twist_{std::abs(p.twist())} {
+    explicit PatchShape(const RelativePatch& p) noexcept : dx_{p.dx}, dy_{p.dy}, twist_{std::abs(p.twist())} {
+        rise_u_ = glm::max(std::abs(p.z10 - p.z00), std::abs(p.z11 - p.z01));
+        rise_v_ = glm::max(std::abs(p.z01 - p.z00), std::abs(p.z11 - p.z10));
         const double low = p.lowest(), high = p.highest();
         least_z_ = glm::max(glm::max(low, -high), 0.0);
         most_z_ = glm::max(-low, high);
@@ -196,9 +194,9 @@ public:
     [[nodiscard]] bool certifies(double z) const noexcept { return twist_ * std::abs(z) < most_; }
 
 private:
-    double rise_u_, rise_v_; ///< of the steeper edge, metres per cell
     double dx_, dy_, twist_;
-    double least_z_, most_z_; ///< sizes of the heights between which the patch lies
+    double rise_u_, rise_v_;  ///< of the steeper edge, metres per cell
+    double least_z_, most_z_; ///< between these the sizes of its heights are
     double most_;             ///< of twist·|z| for a certificate; 0 if the patch is not resolved
 };
 
