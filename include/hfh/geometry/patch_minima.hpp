@@ -88,17 +88,17 @@ struct RelativePatch {
 /// rather than a corner: a distance is level about its minimum, and does not tell its place better than to half the digits.
 inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
 
-/// The closest point of an edge, which is straight: along u at v = 0 or 1, or along v at u = 0 or 1.
+/// The closest point of an edge, which is straight: along u at v = 0 or 1 (the upper one), or along v at u = 0 or 1.
 template <Real T = double>
 [[nodiscard, HFH_ALWAYS_INLINED]] inline RelativePatch::Foot
-closest_on_edge(const RelativePatch& p, bool along_u, bool far) noexcept {
-    const double begin = along_u ? (far ? p.z01 : p.z00) : (far ? p.z10 : p.z00),
-                 end = along_u ? (far ? p.z11 : p.z10) : (far ? p.z11 : p.z01);
+closest_on_edge(const RelativePatch& p, bool along_u, bool upper) noexcept {
+    const double begin = along_u ? (upper ? p.z01 : p.z00) : (upper ? p.z10 : p.z00),
+                 end = along_u ? (upper ? p.z11 : p.z10) : (upper ? p.z11 : p.z01);
     const double start = along_u ? p.x : p.y, rise = along_u ? p.dx : p.dy, climb = end - begin;
     const double w = glm::clamp(-(start * rise + begin * climb) / (rise * rise + climb * climb), 0.0, 1.0);
     const double along = start + w * rise, z = (1 - w) * begin + w * end;
-    const double across = along_u ? (far ? p.y + p.dy : p.y) : (far ? p.x + p.dx : p.x);
-    const double side = far ? 1 : 0, squared = along * along + across * across + z * z;
+    const double across = along_u ? (upper ? p.y + p.dy : p.y) : (upper ? p.x + p.dx : p.x);
+    const double side = upper ? 1 : 0, squared = along * along + across * across + z * z;
     return along_u ? RelativePatch::Foot{w, side, {along, across, z}, squared}
                    : RelativePatch::Foot{side, w, {across, along, z}, squared};
 }
@@ -109,8 +109,8 @@ template <Real T = double>
     RelativePatch::Foot best{.squared = not_found};
     double smallest = best.squared;
     for (const bool along_u : {true, false}) {
-        for (const bool far : {false, true}) {
-            const auto foot = closest_on_edge(p, along_u, far);
+        for (const bool upper : {false, true}) {
+            const auto foot = closest_on_edge(p, along_u, upper);
             const double w = along_u ? foot.u : foot.v;
             const bool corner = w == 0 || w == 1;
             const double squared = corner ? foot.squared * nearly_equal : foot.squared;
