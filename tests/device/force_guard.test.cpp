@@ -128,9 +128,9 @@ TEST_CASE("ForceGuard: a force that is no number is zero at once, though the sle
     }
 }
 
-TEST_CASE(
-    "ForceGuard: a force below 2^64 N is a number, and shortened, one of 2^64 N is none; in float 2^32 N",
-    "[force_guard]") {
+TEST_CASE("ForceGuard: a force below 2^64 N is a number, and shortened, one of 2^64 N is none, and in float "
+          "of 2^32 N",
+          "[force_guard]") {
     auto bench = warm({.max_sudden = 4});
     constexpr GuardScalar least =
         std::same_as<GuardScalar, float> ? GuardScalar(0x1p32) : GuardScalar(0x1p64);

@@ -300,3 +300,39 @@ TEST_CASE("descend_no_farther: along a bent valley it comes no farther from the 
     }
     CHECK(last < first / 2);
 }
+
+TEMPLATE_TEST_CASE("proxy_tracker: a proxy on the border is searched from in its own cell",
+                   "[proxy_tracker][regression]", float, double) {
+    using T = TestType;
+    // Rounded to outside, the way to a stylus on the border led along the surface and not over it: the side was decided
+    // afresh at its end, and a stylus below the corner was buried.
+    Random random{13};
+    int released = 0;
+    for (int n = 0; n < 4000; ++n) {
+        const double dx = random.between(0.001, 0.1);
+        const auto ground = terrain<T>(6, 5, [&](Index, Index) { return dx * random.between(-4, 4); },
+                                       {.spacing = glm::dvec2{dx}});
+        const auto grid = ground.grid();
+        const glm::dvec2 corner = dx * glm::dvec2{5, 4};
+        const double below = static_cast<double>(ground.at(5, 4)) - dx * random.between(0.1, 3);
+        ProxyTracker tracker{grid};
+        (void)tracker.update({static_cast<T>(dx * random.between(3, 5)),
+                              static_cast<T>(dx * random.between(1, 3)), static_cast<T>(5 * dx)});
+        const auto at = [&](double row) {
+            return vec3<T>{static_cast<T>(corner.x), static_cast<T>(row), static_cast<T>(below)};
+        };
+        // Down beside the border, and along it to the corner.
+        (void)tracker.update({static_cast<T>(corner.x * 0.97), static_cast<T>(dx * random.between(1, 3)),
+                              static_cast<T>(below)});
+        if (!tracker.state().touching()) continue;
+        // Rounded to outside, as places or seen from the cell.
+        const glm::dvec3 end{at(corner.y)};
+        const auto seen = grid.lattice().locate(at(corner.y), {4, 3});
+        if (end.x > corner.x || end.y > corner.y || seen.u > 1 || seen.v > 1) continue;
+        const auto contact = tracker.update(at(corner.y));
+        ++released;
+        CAPTURE(n, dx, to_string(contact.status));
+        CHECK(contact.touching());
+    }
+    CHECK(released > 500);
+}

@@ -447,7 +447,14 @@ auto ProxyTracker<Field>::search_beyond(const vec3<Scalar>& stylus, int max_cell
 template <HeightField Field>
 void ProxyTracker<Field>::release(const vec3<Scalar>& stylus, const DescentResult<Scalar>& found) noexcept {
     state_.phase = Phase::releasing;
-    state_.search_from = detail::widen_to<F>(stylus) + detail::widen_to<F>(found.offset);
+    // In its own cell, however it is rounded: from a rim a search would begin beside the surface.
+    const BasicLattice<F>& lattice = field_->lattice();
+    const vec2<F> origin = lattice.origin(), spacing = lattice.spacing(),
+                  per_metre = lattice.cells_per_metre();
+    Place from = detail::widen_to<F>(stylus) + detail::widen_to<F>(found.offset);
+    from.x = detail::into_cell(from.x, found.point.cell.i, origin.x, spacing.x, per_metre.x);
+    from.y = detail::into_cell(from.y, found.point.cell.j, origin.y, spacing.y, per_metre.y);
+    state_.search_from = from;
     state_.searched = 0;
     state_.search_side = state_.side;
     state_.released_squared = glm::dot(found.offset, found.offset);

@@ -73,6 +73,23 @@ template <Real F>
     return {cell, offset - number * spacing};
 }
 
+/// The coordinate nearest to x that lies in a cell, its border included, as `cell_coordinate` tells it.
+template <Real F>
+[[nodiscard]] inline F into_cell(F x, Index cell, F origin, F spacing, F cells_per_metre) noexcept {
+    const auto in_cell = [&] {
+        const CellCoordinate<F> at = cell_coordinate(x, origin, spacing, cells_per_metre);
+        return at.cell == cell || (at.cell == cell + 1 && at.rest == 0);
+    };
+    if (in_cell()) return x;
+    const F lower = static_cast<F>(cell) * spacing, upper = static_cast<F>(cell + 1) * spacing;
+    const bool from_above = x - origin > upper;
+    x = origin + (from_above ? upper : lower);
+    // The line itself is rounded, too.
+    for (int ulps = 0; ulps < 4 && !in_cell(); ++ulps)
+        x += (from_above ? -epsilon<F> : epsilon<F>)*std::abs(x);
+    return x;
+}
+
 /// One axis of a traversal: the cells that the segment passes along it, and when it crosses the line into the next.
 ///
 /// A time is one quotient of lengths in metres. Where these are exact, it is the exact time, correctly rounded, and

@@ -22,36 +22,33 @@
 
 namespace hfh::detail {
 
-// Whether the major axis is that of x, `x_major`, is a `std::bool_constant`: the compiler makes two traversals of one text, and
-// neither asks for the axis. Where code has to be small it is a `bool`, and there is one.
-
 /// The numbers begin ≤ n < end.
 struct IndexRange {
     Index begin, end;
     [[nodiscard]] constexpr bool contains(Index n) const noexcept { return begin <= n && n < end; }
 };
 /// The part of a range of cells along the major and along the minor axis.
-template <class XMajor>
-[[nodiscard]] IndexRange major_range(XMajor x_major, const CellRange& cells) noexcept {
+template <bool x_major>
+[[nodiscard]] IndexRange major_range(const CellRange& cells) noexcept {
     return x_major ? IndexRange{cells.begin.i, cells.end.i} : IndexRange{cells.begin.j, cells.end.j};
 }
-template <class XMajor>
-[[nodiscard]] IndexRange minor_range(XMajor x_major, const CellRange& cells) noexcept {
-    return x_major ? IndexRange{cells.begin.j, cells.end.j} : IndexRange{cells.begin.i, cells.end.i};
+template <bool x_major>
+[[nodiscard]] IndexRange minor_range(const CellRange& cells) noexcept {
+    return major_range<!x_major>(cells);
 }
 /// The cell with these numbers along both axes.
-template <class XMajor>
-[[nodiscard]] constexpr Cell cell_at(XMajor x_major, Index major, Index minor) noexcept {
+template <bool x_major>
+[[nodiscard]] constexpr Cell cell_at(Index major, Index minor) noexcept {
     return x_major ? Cell{major, minor} : Cell{minor, major};
 }
 /// The vertex with these numbers along both axes.
-template <class XMajor>
-[[nodiscard]] constexpr Vertex vertex_at(XMajor x_major, Index major, Index minor) noexcept {
+template <bool x_major>
+[[nodiscard]] constexpr Vertex vertex_at(Index major, Index minor) noexcept {
     return x_major ? Vertex{major, minor} : Vertex{minor, major};
 }
 /// The block with these numbers along both axes.
-template <class XMajor>
-[[nodiscard]] constexpr Block block_at(XMajor x_major, Index major, Index minor) noexcept {
+template <bool x_major>
+[[nodiscard]] constexpr Block block_at(Index major, Index minor) noexcept {
     return x_major ? Block{major, minor} : Block{minor, major};
 }
 
@@ -162,34 +159,34 @@ template <HeightField Field, Real F>
 
 /// Whether all cells of a slab that the segment may touch have patches, which lie below it. `major` is their number along
 /// the major axis. Precondition: there are cells with that number.
-template <class XMajor, HeightField Field>
+template <bool x_major, HeightField Field>
 [[nodiscard, HFH_ALWAYS_INLINED]] inline bool
-slab_lies_below(XMajor x_major, const Field& field, Index major,
+slab_lies_below(const Field& field, Index major,
                 const typename SegmentProfile<FrameScalar<Field>>::SlabPart& part) noexcept {
     if constexpr (CorneredHeightField<Field>) {
         const Index first = part.begin, last = part.end - 1;
         if (last - first <= 1) {
-            if (!part.is_in(minor_range(x_major, field.cells()))) return false;
+            if (!part.is_in(minor_range<x_major>(field.cells()))) return false;
             // Two cells or one, which is hard to predict. So six corners, two of them twice where there is one.
             // Rounding keeps the order: what is not below z is not below z in T either.
             const Index next = major + 1;
-            return field.corners_below({vertex_at(x_major, major, first), vertex_at(x_major, next, first),
-                                        vertex_at(x_major, major, last), vertex_at(x_major, next, last),
-                                        vertex_at(x_major, major, part.end),
-                                        vertex_at(x_major, next, part.end)},
+            return field.corners_below({vertex_at<x_major>(major, first), vertex_at<x_major>(next, first),
+                                        vertex_at<x_major>(major, last), vertex_at<x_major>(next, last),
+                                        vertex_at<x_major>(major, part.end),
+                                        vertex_at<x_major>(next, part.end)},
                                        static_cast<typename Field::Scalar>(part.lowest));
         }
     }
     if constexpr (QuickHeightField<Field>) {
         const Index first = part.begin, last = part.end - 1;
         if (last - first <= 1 &&
-            field.surely_below(cell_at(x_major, major, first), cell_at(x_major, major, last),
+            field.surely_below(cell_at<x_major>(major, first), cell_at<x_major>(major, last),
                                static_cast<typename Field::Scalar>(part.lowest))) {
             return true;
         }
     }
     for (Index minor = part.begin; minor < part.end; ++minor) {
-        if (!lies_below(field, cell_at(x_major, major, minor), part.lowest)) return false;
+        if (!lies_below(field, cell_at<x_major>(major, minor), part.lowest)) return false;
     }
     return true;
 }
@@ -202,13 +199,13 @@ struct EmptySlabs {
 };
 
 /// Finds empty slabs along a segment, one group after the other.
-template <class XMajor, HeightField Field>
+template <bool x_major, HeightField Field>
 class EmptySpace {
 public:
     using F = FrameScalar<Field>;
 
-    EmptySpace(XMajor x_major, const Field& field, const SegmentProfile<F>& profile) noexcept
-        : field_{field}, profile_{profile}, x_major_{x_major} {
+    EmptySpace(const Field& field, const SegmentProfile<F>& profile) noexcept
+        : field_{field}, profile_{profile} {
         if constexpr (BoundedHeightField<Field>) {
             levels_ = field.levels();
             if (levels_ == 0) by_cells_until_ = std::numeric_limits<Index>::max() / 2; // beyond every slab
@@ -248,8 +245,8 @@ private:
         auto here = profile_.on_line(line);
         for (Index n = 0; n < count; ++n) {
             const auto there = profile_.on_line(++line);
-            if (!slab_lies_below(x_major_, field_, profile_.major_cell(begin + n),
-                                 profile_.between(here, there))) {
+            if (!slab_lies_below<x_major>(field_, profile_.major_cell(begin + n),
+                                          profile_.between(here, there))) {
                 return n;
             }
             here = there;
@@ -310,7 +307,7 @@ private:
     template <Side side>
     [[nodiscard]] Index slabs_beside_blocks(Index begin, Index count, Index& looked_at) const noexcept {
         const int shift = block_bits(level_);
-        const IndexRange cells = minor_range(x_major_, field_.cells());
+        const IndexRange cells = minor_range<x_major>(field_.cells());
         Index passed = 0, width = glm::min(slabs_left(level_, begin), count);
         Index major = profile_.major_cell(begin) >> shift;
         auto here = profile_.on_line(static_cast<F>(begin));
@@ -345,7 +342,7 @@ private:
     }
     [[nodiscard, HFH_ALWAYS_INLINED]] auto heights_of_pair(Index major, Index one,
                                                            Index other) const noexcept {
-        return field_.block_range(level_, block_at(x_major_, major, one), block_at(x_major_, major, other));
+        return field_.block_range(level_, block_at<x_major>(major, one), block_at<x_major>(major, other));
     }
 
     /// log₂ of the cells along a side of a block.
@@ -362,7 +359,6 @@ private:
 
     const Field& field_;
     const SegmentProfile<F>& profile_;
-    [[no_unique_address]] XMajor x_major_;
     int level_ = 0, levels_ = 0;
     /// Slabs before this one are looked at cell by cell.
     Index by_cells_until_ = std::numeric_limits<Index>::min();
@@ -374,24 +370,24 @@ private:
 /// `test` is the visitor, and says what may be passed over: `may_skip()`, `cells_left()` that it may still look at, and
 /// `side_at(t)` of what begins at t. It is told of what was: `count(cells)` looked at, and `pass(t, side)` for everything
 /// up to t, on one side of the surface. `az` and `bz` are the heights of the segment's ends.
-template <class XMajor, HeightField Field, class Test>
-void walk_with_skipping(XMajor x_major, const Field& field, const CellRange& range,
-                        CellWalk<FrameScalar<Field>>& walk, FrameScalar<Field> begin_at,
-                        FrameScalar<Field> az, FrameScalar<Field> bz, Test& test) noexcept {
+template <bool x_major, HeightField Field, class Test>
+void walk_with_skipping(const Field& field, const CellRange& range, CellWalk<FrameScalar<Field>>& walk,
+                        FrameScalar<Field> begin_at, FrameScalar<Field> az, FrameScalar<Field> bz,
+                        Test& test) noexcept {
     using F = FrameScalar<Field>;
     if (!walk.enter(range, begin_at)) return;
     AxisWalk<F>&major = x_major ? walk.x : walk.y, &minor = x_major ? walk.y : walk.x;
     const SegmentProfile<F> profile{major, minor, az, bz};
-    const IndexRange majors = major_range(x_major, range), minors = minor_range(x_major, range);
+    const IndexRange majors = major_range<x_major>(range), minors = minor_range<x_major>(range);
     // Where the segment ends, and where it ends or leaves the range.
     const Index goal_end = profile.slab_of(major.goal_cell) + 1;
     const Index end = profile.slab_of(glm::clamp(major.goal_cell, majors.begin, majors.end - 1)) + 1;
     const auto cells_of_slabs = [&](Index slab, Index slab_end) {
         const Index a = profile.major_cell(slab), b = profile.major_cell(slab_end - 1);
-        return CellRange{cell_at(x_major, glm::min(a, b), minors.begin),
-                         cell_at(x_major, glm::max(a, b) + 1, minors.end)};
+        return CellRange{cell_at<x_major>(glm::min(a, b), minors.begin),
+                         cell_at<x_major>(glm::max(a, b) + 1, minors.end)};
     };
-    EmptySpace<XMajor, Field> empty_space{x_major, field, profile};
+    EmptySpace<x_major, Field> empty_space{field, profile};
     // Behind a slab that is not empty the next ones mostly are not either. So slabs are traversed in batches before empty
     // ones are looked for again, and each batch is twice as long until some are found.
     constexpr Index first_batch = 3;

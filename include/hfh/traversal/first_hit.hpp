@@ -6,7 +6,6 @@
 #include <hfh/traversal/empty_space_skipping.hpp>
 
 #include <cmath>
-#include <type_traits>
 
 // Based on: Potter, Johnson, Cohen, Height Field Haptics [P], §4.3.1. The paper takes the first candidate patch as
 // the place to start; here the first crossing itself is found, so that contact begins where the stylus met the
@@ -270,14 +269,13 @@ template <HeightField Field>
     CellWalk<F> walk{field.lattice(), {a.x, a.y}, {b.x, b.y}};
     const CellRange range = field.cells();
     const vec2<F> length = length_in_cells<F>(field.lattice(), a, b);
-    if (glm::max(length.x, length.y) < 2) {
+    // What skipping takes is half of a cast's code.
+    if (small_code || glm::max(length.x, length.y) < 2) {
         if (walk.enter(range, options.begin_at)) walk.visit(range, range, test);
-    } else if constexpr (small_code) {
-        walk_with_skipping(length.x >= length.y, field, range, walk, options.begin_at, a.z, b.z, test);
     } else if (length.x >= length.y) {
-        walk_with_skipping(std::true_type{}, field, range, walk, options.begin_at, a.z, b.z, test);
+        walk_with_skipping<true>(field, range, walk, options.begin_at, a.z, b.z, test);
     } else {
-        walk_with_skipping(std::false_type{}, field, range, walk, options.begin_at, a.z, b.z, test);
+        walk_with_skipping<false>(field, range, walk, options.begin_at, a.z, b.z, test);
     }
     test.finish();
     return result;
