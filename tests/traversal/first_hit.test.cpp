@@ -688,13 +688,46 @@ TEMPLATE_TEST_CASE("first_hit: going on from where the limit stopped finds the s
     CHECK(hits > 1'000);
 }
 
+namespace {
+
 /// Whether they found the same, to the bit.
 template <class Hit>
-[[nodiscard]] static bool same(const Hit& one, const Hit& other) {
+[[nodiscard]] bool same(const Hit& one, const Hit& other) {
     return one.status == other.status && one.t == other.t && one.side == other.side &&
            one.leaving == other.leaving && one.point.cell == other.point.cell &&
            one.point.u == other.point.u && one.point.v == other.point.v;
 }
+
+struct Segment {
+    dvec3 a, b;
+};
+/// The nth segment: anywhere; along a grid line; aslant through vertices; from one height of the ground to another, so that
+/// it grazes what is between.
+template <class T>
+[[nodiscard]] Segment any_segment(Random& random, const Terrain<T>& terrain, int n) {
+    dvec3 a{somewhere(random, terrain, 1), random.between(-1, 6)},
+        b{somewhere(random, terrain, 1), random.between(-2, 5)};
+    const auto some_height = [&] {
+        const auto sample = static_cast<std::size_t>(random.whole(0, std::ssize(terrain.heights) - 1));
+        const T height = terrain.heights[sample];
+        return height == height ? static_cast<double>(height) : 0.0; // "no data"
+    };
+    if (n % 6 == 1) a.x = b.x = vertex(random, terrain).x;
+    if (n % 6 == 2) a.y = b.y = vertex(random, terrain).y;
+    if (n % 6 >= 3) a = {vertex(random, terrain), a.z}, b = {vertex(random, terrain), b.z};
+    if (n % 6 == 4) a.z = b.z = static_cast<double>(random.whole(-2, 3));
+    if (n % 6 == 5) a.z = b.z = some_height();
+    return {a, b};
+}
+[[nodiscard]] FirstHitOptions any_options(Random& random) {
+    FirstHitOptions options{.surface = random.one_in(2) ? SurfaceKind::solid : SurfaceKind::sheet};
+    if (random.one_in(3)) return options;
+    options.side = random.one_in(2) ? Side::above : Side::below;
+    if (random.one_in(2)) options.leaves_within = random.between(0, 0.3);
+    return options;
+}
+
+} // namespace
 
 TEMPLATE_TEST_CASE(
     "first_hit: a search of the same segment goes on as if it had not been cut short, to the bit",
@@ -705,25 +738,8 @@ TEMPLATE_TEST_CASE(
     for_each_terrain<T>([&](const Terrain<T>& terrain) {
         const auto grid = terrain.grid();
         for (int n = 0; n < 600; ++n) {
-            // Anywhere; along a grid line; aslant through vertices; from one height of the ground to another, so that it
-            // grazes what is between.
-            dvec3 a{somewhere(random, terrain, 1), random.between(-1, 6)};
-            dvec3 b{somewhere(random, terrain, 1), random.between(-2, 5)};
-            if (n % 6 == 1) a.x = b.x = vertex(random, terrain).x;
-            if (n % 6 == 2) a.y = b.y = vertex(random, terrain).y;
-            if (n % 6 >= 3) a = {vertex(random, terrain), a.z}, b = {vertex(random, terrain), b.z};
-            if (n % 6 == 4) a.z = b.z = static_cast<double>(random.whole(-2, 3));
-            if (n % 6 == 5)
-                a.z = b.z = static_cast<double>(
-                    terrain
-                        .heights[static_cast<std::size_t>(random.whole(0, std::ssize(terrain.heights) - 1))]);
-            if (a.z != a.z) continue; // "no data"
-            FirstHitOptions options{.surface = random.one_in(2) ? SurfaceKind::solid : SurfaceKind::sheet,
-                                    .side = random.one_in(3)   ? Side::none
-                                            : random.one_in(2) ? Side::above
-                                                               : Side::below};
-            if (options.side != Side::none && random.one_in(2))
-                options.leaves_within = random.between(0, 0.3);
+            const auto [a, b] = any_segment(random, terrain, n);
+            FirstHitOptions options = any_options(random);
             const double leaves_within = options.leaves_within;
             const auto whole = first_hit(grid, a, b, options);
             options.max_cells = random.whole(1, 6);

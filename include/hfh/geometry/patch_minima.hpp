@@ -50,6 +50,11 @@ struct RelativePatch {
         return {u, v, offset, offset.x * offset.x + offset.y * offset.y + offset.z * offset.z};
     }
 
+    /// Along the normal, up; of any length.
+    [[nodiscard]] glm::dvec3 upward(double u, double v) const noexcept {
+        return {-slope_u(v) * dy, -slope_v(u) * dx, dx * dy};
+    }
+
     /// No point of the patch lies nearer than this, squared: the distance of the box that holds it.
     [[nodiscard]] double box_squared() const noexcept {
         const double off_x = glm::max(glm::max(x, -(x + dx)), 0.0),
@@ -83,24 +88,35 @@ struct RelativePatch {
 /// rather than a corner: a distance is level about its minimum, and does not tell its place better than to half the digits.
 inline constexpr double nearly_equal = 1 + 8 * epsilon<double>;
 
-/// The closest point of the four edges, which are straight.
+/// The closest point of an edge, which is straight: along u at v = 0 or 1 (the upper one), or along v at u = 0 or 1.
+template <Real T = double>
+[[nodiscard, HFH_ALWAYS_INLINED]] inline RelativePatch::Foot
+closest_on_edge(const RelativePatch& p, bool along_u, bool upper) noexcept {
+    const double begin = along_u ? (upper ? p.z01 : p.z00) : (upper ? p.z10 : p.z00),
+                 end = along_u ? (upper ? p.z11 : p.z10) : (upper ? p.z11 : p.z01);
+    const double start = along_u ? p.x : p.y, rise = along_u ? p.dx : p.dy, climb = end - begin;
+    const double w = glm::clamp(-(start * rise + begin * climb) / (rise * rise + climb * climb), 0.0, 1.0);
+    const double along = start + w * rise, z = (1 - w) * begin + w * end;
+    const double across = along_u ? (upper ? p.y + p.dy : p.y) : (upper ? p.x + p.dx : p.x);
+    const double side = upper ? 1 : 0, squared = along * along + across * across + z * z;
+    return along_u ? RelativePatch::Foot{w, side, {along, across, z}, squared}
+                   : RelativePatch::Foot{side, w, {across, along, z}, squared};
+}
+
+/// The closest point of the four edges.
 template <Real T = double>
 [[nodiscard]] RelativePatch::Foot closest_on_edges(const RelativePatch& p) noexcept {
     RelativePatch::Foot best{.squared = not_found};
     double smallest = best.squared;
-    const auto along = [](double start, double rise, double z, double climb) {
-        return glm::clamp(-(start * rise + z * climb) / (rise * rise + climb * climb), 0.0, 1.0);
-    };
-    const auto offer = [&](double u, double v) {
-        const auto foot = p.foot(u, v);
-        const bool corner = (u == 0 || u == 1) && (v == 0 || v == 1);
-        const double squared = corner ? foot.squared * nearly_equal : foot.squared;
-        if (squared < smallest) smallest = squared, best = foot;
-    };
-    offer(along(p.x, p.dx, p.z00, p.z10 - p.z00), 0);
-    offer(along(p.x, p.dx, p.z01, p.z11 - p.z01), 1);
-    offer(0, along(p.y, p.dy, p.z00, p.z01 - p.z00));
-    offer(1, along(p.y, p.dy, p.z10, p.z11 - p.z10));
+    for (const bool along_u : {true, false}) {
+        for (const bool upper : {false, true}) {
+            const auto foot = closest_on_edge(p, along_u, upper);
+            const double w = along_u ? foot.u : foot.v;
+            const bool corner = w == 0 || w == 1;
+            const double squared = corner ? foot.squared * nearly_equal : foot.squared;
+            if (squared < smallest) smallest = squared, best = foot;
+        }
+    }
     return best;
 }
 
@@ -149,33 +165,39 @@ template <Real T = double>
 /// What the closest point of a patch may be, by how far the heights turn under the query.
 class PatchShape {
 public:
-    explicit PatchShape(const RelativePatch& p) noexcept {
-        const double rise_u = glm::max(std::abs(p.z10 - p.z00), std::abs(p.z11 - p.z01)),
-                     rise_v = glm::max(std::abs(p.z01 - p.z00), std::abs(p.z11 - p.z10));
+    explicit PatchShape(const RelativePatch& p) noexcept : dx_{p.dx}, dy_{p.dy}, twist_{std::abs(p.twist())} {
+        rise_u_ = glm::max(std::abs(p.z10 - p.z00), std::abs(p.z11 - p.z01));
+        rise_v_ = glm::max(std::abs(p.z01 - p.z00), std::abs(p.z11 - p.z10));
         const double low = p.lowest(), high = p.highest();
-        const double sx = rise_u / p.dx, sy = rise_v / p.dy;
-        m_ = std::abs(p.twist()) / p.dx / p.dy;
-        least_t_ = m_ * glm::max(glm::max(low, -high), 0.0);
-        most_t_ = m_ * glm::max(-low, high);
-        // Eq. (11) is positive definite where (1 + S_x²)(1 + S_y²) > (S_x S_y + t)².
-        convex_t_ = sx * sy + std::sqrt((1 + sx * sx) * (1 + sy * sy));
-        const double reach = glm::max(-low, high) + rise_u + rise_v;
-        resolved_ = rise_u * reach < 1e8 * p.dx * p.dx && rise_v * reach < 1e8 * p.dy * p.dy;
+        least_z_ = glm::max(glm::max(low, -high), 0.0);
+        most_z_ = glm::max(-low, high);
+        const double reach = most_z_ + rise_u_ + rise_v_;
+        const bool is_resolved = rise_u_ * reach < 1e8 * dx_ * dx_ && rise_v_ * reach < 1e8 * dy_ * dy_;
+        most_ = is_resolved ? 0.999 * dx_ * dy_ : 0;
     }
 
-    /// All stationary points have |t| < 1: there is one local closest point.
-    [[nodiscard]] bool has_one_minimum() const noexcept { return resolved_ && most_t_ < 0.999; }
+    /// All stationary points within the distance have |t| < 1: there is one local closest point at most, that of the patch.
+    [[nodiscard]] bool has_one_minimum(double reach_squared) const noexcept {
+        return certifies(most_z_) || twist_ * twist_ * reach_squared < most_ * most_;
+    }
     /// Each local closest point lies on an edge.
-    [[nodiscard]] bool has_minima_on_edges_only() const noexcept { return least_t_ > 1.001 * convex_t_; }
+    [[nodiscard]] bool has_minima_on_edges_only() const noexcept {
+        // Eq. (11) is positive definite where (1 + S_x²)(1 + S_y²) > (S_x S_y + t)²; both sides times dx² dy².
+        const double convex =
+            rise_u_ * rise_v_ + std::sqrt((dx_ * dx_ + rise_u_ * rise_u_) * (dy_ * dy_ + rise_v_ * rise_v_));
+        return twist_ * least_z_ > 1.001 * convex;
+    }
     /// The patch is not so steep that rounding hides where the distance is level.
-    [[nodiscard]] bool resolved() const noexcept { return resolved_; }
+    [[nodiscard]] bool resolved() const noexcept { return most_ > 0; }
     /// Whether a stationary point at this height is the closest of the patch. A little below 1, so that what rounding hides
     /// of a descent at the point leads down by no more than roundings.
-    [[nodiscard]] bool certifies(double z) const noexcept { return resolved_ && m_ * std::abs(z) < 0.999; }
+    [[nodiscard]] bool certifies(double z) const noexcept { return twist_ * std::abs(z) < most_; }
 
 private:
-    double m_, least_t_, most_t_, convex_t_;
-    bool resolved_;
+    double dx_, dy_, twist_;
+    double rise_u_, rise_v_;  ///< of the steeper edge, metres per cell
+    double least_z_, most_z_; ///< between these the sizes of its heights are
+    double most_;             ///< of twist·|z| for a certificate; 0 if the patch is not resolved
 };
 
 /// Whether the distance falls from a point of the border into the patch.
@@ -185,13 +207,14 @@ private:
     return (at.u <= 0 && fu < 0) || (at.u >= 1 && fu > 0) || (at.v <= 0 && fv < 0) || (at.v >= 1 && fv > 0);
 }
 
-/// The closest point of a closed patch. Seldom more than the four edges; where no certificate holds, the search of
-/// `global_closest_point`. A template, so that who does not call it compiles nothing of that search.
+/// The closest point of a closed patch, wherever it is. Seldom more than the four edges; where no certificate holds, the search
+/// of `global_closest_point`. A template, so that who does not call it compiles nothing of that search.
 template <Real T = double>
-[[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p, const PatchShape& shape) noexcept {
+[[nodiscard, gnu::noinline]] RelativePatch::Foot search_patch(const RelativePatch& p,
+                                                              const PatchShape& shape) noexcept {
     const auto edge = closest_on_edges(p);
-    if (shape.has_minima_on_edges_only()) return edge;
     if (shape.certifies(edge.offset.z) && !leads_inward(p, edge)) return edge;
+    if (shape.has_minima_on_edges_only()) return edge;
     if (shape.resolved()) {
         const auto inside = secular_foot(p);
         if (inside.squared < not_found) return inside;
@@ -199,6 +222,39 @@ template <Real T = double>
     const auto found = global_closest_point(p.patch(), p.query());
     const auto foot = p.foot(found.u, found.v);
     return foot.squared <= edge.squared * nearly_equal ? foot : edge;
+}
+
+/// The closest point of a closed patch. Mostly a certificate holds at once: on an edge that faces the query in plan, or inside the
+/// patch under the query.
+template <Real T = double>
+[[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p, const PatchShape& shape) noexcept {
+    const double off_x = glm::max(p.x, -(p.x + p.dx)), off_y = glm::max(p.y, -(p.y + p.dy));
+    RelativePatch::Foot foot;
+    // Along an edge its closest point is a minimum; across it the distance must not fall into the patch.
+    const auto is_on_edge_along_u = [&] {
+        foot = closest_on_edge(p, true, p.y < 0);
+        const double rises = p.dy * foot.offset.y + foot.offset.z * p.slope_v(foot.u);
+        return shape.certifies(foot.offset.z) && (p.y < 0 ? rises <= 0 : rises >= 0);
+    };
+    const auto is_on_edge_along_v = [&] {
+        foot = closest_on_edge(p, false, p.x < 0);
+        const double rises = p.dx * foot.offset.x + foot.offset.z * p.slope_u(foot.v);
+        return shape.certifies(foot.offset.z) && (p.x < 0 ? rises <= 0 : rises >= 0);
+    };
+    const auto is_inside = [&] {
+        foot = secular_foot(p);
+        const auto amid = [](double w) { return w > 1e-6 && w < 1 - 1e-6; };
+        return foot.squared < not_found && amid(foot.u) && amid(foot.v);
+    };
+    if (off_x <= 0 && off_y <= 0) {
+        if (shape.resolved() && is_inside()) return foot;
+    } else if (off_x > off_y) {
+        if (is_on_edge_along_v() || (off_y > 0 && is_on_edge_along_u())) return foot;
+    } else {
+        if (is_on_edge_along_u() || (off_x > 0 && is_on_edge_along_v())) return foot;
+    }
+    foot = search_patch(p, shape);
+    return foot;
 }
 template <Real T = double>
 [[nodiscard]] RelativePatch::Foot closest_of_patch(const RelativePatch& p) noexcept {
@@ -249,7 +305,8 @@ template <class Visitor>
         return !(0 < u && u < 1 && 0 < v && v < 1) || minima.offer(u, v, apart);
     };
     constexpr int deepest = 40;
-    Interval pieces[deepest + 2] = {{0, 1}};
+    Interval pieces[deepest + 2];
+    pieces[0] = {0, 1};
     int intervals = 0;
     for (int count = 1; count > 0;) {
         if (++intervals > GlobalClosestPoint<double>::max_intervals) return MinimaEnd::cut_short;
@@ -284,7 +341,7 @@ template <class Visitor>
 [[nodiscard]] MinimaEnd visit_minima(const RelativePatch& patch, double reach_squared,
                                      Visitor&& visit) noexcept {
     const PatchShape shape{patch};
-    if (shape.has_one_minimum()) {
+    if (shape.has_one_minimum(reach_squared)) {
         const auto foot = closest_of_patch(patch, shape);
         return !(foot.squared <= reach_squared) || visit(foot) ? MinimaEnd::complete : MinimaEnd::stopped;
     }

@@ -156,10 +156,11 @@ private:
     };
 
     void offer(const ReachSearch<Field>& search, Cell cell, const RelativePatch& patch,
-               const RelativePatch::Foot& foot) noexcept;
+               const RelativePatch::Foot& foot, double distance) noexcept;
+    /// `own`: along the normal of the patch at the foot, to the side of the ball; of any length.
     [[nodiscard]] BorderPoint classify_border(const ReachSearch<Field>& search, Cell cell,
                                               const RelativePatch::Foot& foot,
-                                              const glm::dvec3& own_normal) const noexcept;
+                                              const glm::dvec3& own) const noexcept;
     void keep(const BallObstacle& obstacle) noexcept;
     [[nodiscard]] bool is_known(const BallObstacle& obstacle) const noexcept;
 
@@ -192,11 +193,14 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
         const bool is_bent = std::abs(patch.twist()) > least_twist;
         // A patch whose search is cut short has offered what it found.
         (void)visit_minima(patch, search.reach_squared(), [&](const RelativePatch::Foot& foot) {
-            if (is_bent) bent_gap_ = glm::min(bent_gap_, std::sqrt(foot.squared) - radius_);
-            offer(search, cell, patch, foot);
+            const double distance = std::sqrt(foot.squared);
+            if (!(distance < radius_ + margin_)) return true;
+            if (is_bent) bent_gap_ = glm::min(bent_gap_, distance - radius_);
+            offer(search, cell, patch, foot, distance);
             return true;
         });
-        search.set_reach_squared(reach_squared());
+        // Where the list is full the ball may go less far.
+        if (count_ == most) search.set_reach_squared(reach_squared());
         return true;
     };
     RelativePatch under;
@@ -210,48 +214,41 @@ bool BallObstacles<Field>::look(const glm::dvec3& centre, double radius, double 
 
 template <HeightField Field>
 void BallObstacles<Field>::offer(const ReachSearch<Field>& search, Cell cell, const RelativePatch& patch,
-                                 const RelativePatch::Foot& foot) noexcept {
-    const double distance = std::sqrt(foot.squared);
-    if (!(distance < radius_ + margin_)) return;
-    const double slope_x = patch.slope_u(foot.v) / patch.dx, slope_y = patch.slope_v(foot.u) / patch.dy;
-    const glm::dvec3 upward =
-        glm::dvec3{-slope_x, -slope_y, 1} / std::sqrt(1 + slope_x * slope_x + slope_y * slope_y);
-    const glm::dvec3 to_centre = -foot.offset;
+                                 const RelativePatch::Foot& foot, double distance) noexcept {
+    const glm::dvec3 upward = patch.upward(foot.u, foot.v), to_centre = -foot.offset;
     const double over = glm::dot(to_centre, upward);
-    BallObstacle obstacle{.normal = distance > 0 ? to_centre / distance : upward,
+    const SurfacePoint<double> at{cell, foot.u, foot.v};
+    BorderPoint border{.from_above = !(over < 0)};
+    const glm::dvec3 own = over < 0 ? -upward : upward;
+    if (on_border(at)) border = classify_border(search, cell, foot, own);
+    if (border.is == Border::left_out) return;
+    BallObstacle obstacle{.normal = distance > 0 ? to_centre / distance : glm::normalize(upward),
                           .gap = distance - radius_,
                           .distance = distance,
-                          .point = {cell, foot.u, foot.v}};
-    obstacle.from_below = over < 0;
-    if (!on_border(obstacle.point)) {
-        keep(obstacle);
-        return;
+                          .point = at,
+                          .on_rim = border.on_rim,
+                          .from_below = !border.from_above};
+    if (border.is == Border::plane) {
+        const double length = glm::length(own), plane_gap = std::abs(over) / length - radius_;
+        if (plane_gap > obstacle.gap / 4) {
+            obstacle.normal = own / length;
+            obstacle.gap = plane_gap;
+            obstacle.is_plane = true;
+        }
     }
-    const glm::dvec3 own_normal = over < 0 ? -upward : upward;
-    const BorderPoint border = classify_border(search, cell, foot, own_normal);
-    if (border.is == Border::left_out) return;
-    obstacle.on_rim = border.on_rim;
-    obstacle.from_below = !border.from_above;
-    const double plane_gap = std::abs(over) - radius_;
-    if (border.is == Border::plane && plane_gap > obstacle.gap / 4) {
-        obstacle.normal = own_normal;
-        obstacle.gap = plane_gap;
-        obstacle.is_plane = true;
-    }
-    if (!is_known(obstacle)) keep(obstacle);
+    if (!on_border(at) || !is_known(obstacle)) keep(obstacle);
 }
 
 template <HeightField Field>
 auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cell cell,
                                            const RelativePatch::Foot& foot,
-                                           const glm::dvec3& own_normal) const noexcept -> BorderPoint {
-    constexpr double level = 1e-9; // cosine of an angle that counts as right
+                                           const glm::dvec3& own) const noexcept -> BorderPoint {
+    constexpr double level = 1e-9 * 1e-9; // squared cosine of an angle that counts as right
     BorderPoint point;
-    point.from_above = glm::dot(own_normal, foot.offset) <= 0 && own_normal.z > 0;
-    double steepest = level;
+    point.from_above = glm::dot(own, foot.offset) <= 0 && own.z > 0;
+    double steepest = level * foot.squared;
     const SurfacePoint<double> at{cell, foot.u, foot.v};
     const Neighbours neighbours{foot.u, foot.v};
-    const double length = glm::max(glm::length(foot.offset), std::numeric_limits<double>::min());
     for (const Neighbour n : neighbours) {
         const SurfacePoint<double> there = seen_from(n, at);
         RelativePatch patch;
@@ -259,22 +256,25 @@ auto BallObstacles<Field>::classify_border(const ReachSearch<Field>& search, Cel
             point.on_rim = true;
             continue;
         }
-        const glm::dvec3 upward{-patch.slope_u(there.v) / patch.dx, -patch.slope_v(there.u) / patch.dy, 1};
-        point.from_above = point.from_above || glm::dot(upward, foot.offset) <= 0;
-        // Into the neighbour, along each parameter that has a border here.
+        if (!point.from_above) point.from_above = glm::dot(patch.upward(there.u, there.v), foot.offset) <= 0;
+        // Into the neighbour, along each parameter that has a border here: as long as the distance times the cosine.
         glm::dvec3 down{0.0};
-        const auto fall_along = [&](double parameter, const glm::dvec3& partial) {
-            if (parameter > 0 && parameter < 1) return;
-            const glm::dvec3 inward = glm::normalize(parameter > 0 ? -partial : partial);
-            const double falls = -glm::dot(inward, foot.offset) / length;
-            if (falls > level) down += falls * inward;
+        const auto fall_along = [&](double parameter, double spacing, double off, double slope,
+                                    const glm::dvec2& axis) {
+            const double rises = spacing * off + slope * foot.offset.z;
+            if (parameter <= 0 ? !(rises < 0) : !(parameter >= 1 && rises > 0)) return;
+            const double square = spacing * spacing + slope * slope;
+            if (rises * rises > level * square * foot.squared)
+                down -= rises / square * glm::dvec3{spacing * axis, slope};
         };
-        fall_along(there.u, {patch.dx, 0, patch.slope_u(there.v)});
-        fall_along(there.v, {0, patch.dy, patch.slope_v(there.u)});
-        const double falls = glm::length(down);
+        fall_along(there.u, patch.dx, foot.offset.x, patch.slope_u(there.v), {1, 0});
+        fall_along(there.v, patch.dy, foot.offset.y, patch.slope_v(there.u), {0, 1});
+        const double falls = glm::dot(down, down);
         if (!(falls > steepest)) continue;
         steepest = falls;
-        point.is = glm::dot(own_normal, down) > level * falls ? Border::plane : Border::left_out;
+        const double along = glm::dot(own, down);
+        const bool is_valley = along > 0 && along * along > level * falls * glm::dot(own, own);
+        point.is = is_valley ? Border::plane : Border::left_out;
     }
     return point;
 }
