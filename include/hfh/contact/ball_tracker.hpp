@@ -130,6 +130,10 @@ private:
     [[nodiscard]] bool roll_to(const Standing& ball, const glm::dvec3& to, Index& work) noexcept;
     /// Whether a ball that rolls to a minimum seems to pass no other on its way, as far as its ends tell.
     [[nodiscard]] bool is_first_minimum(const Standing& ball, const glm::dvec3& to) const noexcept;
+    /// How far a ball in contact goes about that the stylus leads to here, in metres.
+    [[nodiscard]] double led_way(const glm::dvec3& to) const noexcept {
+        return 1.25 * glm::distance(to, state_.stylus) + widen(radius_) / 16;
+    }
     /// In contact: over to the foot of the stylus, if that is all there is to do: mostly it is. False if not; it may be on its
     /// way then.
     [[nodiscard]] bool roll(const vec3<Scalar>& stylus, Index& work, BallContact<Scalar>& contact) noexcept;
@@ -320,9 +324,8 @@ bool BallTracker<Field>::roll(const vec3<Scalar>& stylus, Index& work,
     const glm::dvec3 across = ball.offset - share * ball.normal;
     const double allowed = widen(epsilon<Scalar>) * glm::dot(ball.offset, ball.offset);
     if (!(share > 0) || glm::dot(across, across) > allowed) return false;
-    // Much farther than the stylus went there is another minimum on the way, mostly.
-    const double led = 1.5 * glm::distance(to, state_.stylus) + widen(radius_) / 16;
-    if (glm::distance(ball.centre, state_.centre) > led) return false;
+    // Farther than the ball is led there is another minimum on the way, mostly.
+    if (glm::distance(ball.centre, state_.centre) > led_way(to)) return false;
     // A long way in parts, along that of the foot.
     for (int parts = steps_allowed(to); glm::distance(ball.centre, state_.centre) > longest_roll();) {
         const auto part = detail::descend_no_farther(field(), stylus, state_.foot, options_.max_patches,
@@ -355,8 +358,7 @@ auto BallTracker<Field>::follow(const vec3<Scalar>& stylus, Index& work) noexcep
     const double radius = widen(radius_), widest = detail::widest_margin(field(), radius);
     const int max_steps = steps_allowed(to);
     const bool was_touching = state_.touching();
-    // A ball in contact goes about as far as the stylus went.
-    const double expected = was_touching ? 1.25 * glm::distance(to, state_.stylus) + radius / 16 : widest;
+    const double expected = was_touching ? led_way(to) : widest;
     // A ball that is led slowly is to stop at the first minimum on its way, which a longer step may pass.
     const double stride =
         was_touching ? glm::clamp(glm::distance(to, state_.stylus) / 2, widest / 16, widest) : widest;
