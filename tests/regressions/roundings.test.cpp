@@ -325,10 +325,11 @@ TEMPLATE_TEST_CASE("proxy_tracker: a proxy on the border is searched from in its
         (void)tracker.update({static_cast<T>(corner.x * 0.97), static_cast<T>(dx * random.between(1, 3)),
                               static_cast<T>(below)});
         if (!tracker.state().touching()) continue;
-        // Rounded to outside, as places or seen from the cell.
-        const glm::dvec3 end{at(corner.y)};
-        const auto seen = grid.lattice().locate(at(corner.y), {4, 3});
-        if (end.x > corner.x || end.y > corner.y || seen.u > 1 || seen.v > 1) continue;
+        // Rounded to outside, as a place or seen from the cell.
+        const auto lattice = grid.lattice();
+        const vec3<PlaceScalar<T>> end{at(corner.y)};
+        const auto seen = lattice.locate(at(corner.y), {4, 3});
+        if (lattice.u_of(end.x, 4) > 1 || lattice.v_of(end.y, 3) > 1 || seen.u > 1 || seen.v > 1) continue;
         const auto contact = tracker.update(at(corner.y));
         ++released;
         CAPTURE(n, dx, to_string(contact.status));
