@@ -124,6 +124,19 @@ private:
     std::abort();
 }
 
+/// What the first byte says: in which scalar an input is touched, and one in eight on a raw field.
+template <class Touch>
+int touch_in_either_scalar(Bytes bytes, Touch&& touch) {
+    const std::uint8_t which = bytes.byte();
+    const bool raw = which / 2 % 8 == 0;
+    if (which % 2 != 0) {
+        touch.template operator()<double>(bytes, raw);
+    } else {
+        touch.template operator()<float>(bytes, raw);
+    }
+    return 0;
+}
+
 } // namespace hfh::fuzz
 
 #endif // HFH_TESTS_FUZZ_BYTES_HPP

@@ -709,26 +709,16 @@ void touch_raw_field(Bytes& bytes) {
     }
 }
 
-template <Real T>
-void touch(Bytes& bytes, bool raw) {
-    if (raw) {
-        touch_raw_field<T>(bytes);
-    } else {
-        Session<T>{bytes}.run();
-    }
-}
-
 } // namespace
 } // namespace hfh::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    hfh::fuzz::Bytes bytes{data, size};
-    const std::uint8_t which = bytes.byte();
-    const bool raw = which / 2 % 8 == 0;
-    if (which % 2 != 0) {
-        hfh::fuzz::touch<double>(bytes, raw);
-    } else {
-        hfh::fuzz::touch<float>(bytes, raw);
-    }
-    return 0;
+    using namespace hfh::fuzz;
+    return touch_in_either_scalar({data, size}, []<hfh::Real T>(Bytes& bytes, bool raw) {
+        if (raw) {
+            touch_raw_field<T>(bytes);
+        } else {
+            Session<T>{bytes}.run();
+        }
+    });
 }
